@@ -23,7 +23,6 @@ constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters 
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
-constexpr double kBeginningStep = 0.03;  // the same for how a record begins on a machine that has moved before: it answers linearly until teeth leave their flank
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
@@ -104,15 +103,10 @@ bool is_held(const Problem& problem, const Point& point, std::size_t k) {
                      [&](const common::EffectInstance& effect) { return is_said_by(problem.nuisances, problem.catalogue.at(effect.name), k); });
 }
 
-Eigen::VectorXd first_steps(const Problem& problem, const Point& point) {
-  const common::EffectCatalogue& catalogue = problem.catalogue;
-  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size()), own = static_cast<Eigen::Index>(problem.nuisances.per_record());
+Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Point& point) {
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(catalogue, point.effects).size(), kEffectStep);
   steps.head(nuisances).setConstant(kNuisanceStep);
-  for (std::size_t r = 0; r < problem.records.size(); ++r) {
-    const auto first = static_cast<Eigen::Index>(problem.nuisances.count(r));
-    if (problem.nuisances.begin_of(r) != RecordBegins::unmoved && first + own <= nuisances) steps.segment(first, own).setConstant(kBeginningStep);
-  }
   Eigen::Index first = nuisances;
   for (const common::EffectInstance& effect : point.effects) {
     const common::EffectAbout& about = catalogue.at(effect.name);
@@ -145,7 +139,7 @@ namespace {
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd variance = covariance(problem, point, difference, columns).diagonal();
-  Eigen::VectorXd steps = first_steps(problem, point);
+  Eigen::VectorXd steps = first_steps(problem.catalogue, point);
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     const double open = kStepDeviations * std::sqrt(variance(i));
     const double smallest = i < static_cast<Eigen::Index>(point.nuisance.size()) ? kSmallestNuisanceStep : kSmallestEffectStep;
@@ -450,7 +444,9 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
   const Moves moves = moves_of_beginnings(problem);
   for (int round = 0; round < problem.settings.rounds; ++round) {
     const double before = result.cost;
-    renew_columns(problem, result.point, result.difference, steps_at(problem, result.point, result.difference, result.columns), moves, result.columns);
+    // Boom and load answer linearly to how they begin until teeth leave their flank, which a motor does that is moved as far as a parameter is.
+    const Eigen::VectorXd steps = kFiner * steps_at(problem, result.point, result.difference, result.columns);
+    renew_columns(problem, result.point, result.difference, steps, moves, result.columns);
     descend(problem, result, problem.settings.law_freedom);
     if (before - result.cost <= problem.settings.settled) break;
   }
