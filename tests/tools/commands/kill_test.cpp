@@ -192,7 +192,7 @@ class KillTest : public testing::Test {
   };
 
   void strike(const Moment& moment, Tally& tally);
-  Struck strike_at_its_moment(const Moment& moment, RunningProgram& run);
+  void strike_at_its_moment(const Moment& moment, RunningProgram& run, Struck& struck);
   bool expect_readable_log(const Moment& moment, const Struck& struck, Tally& tally);
   void expect_result(const Moment& moment, const Struck& struck, bool whole, int result, const std::string& complaints);
   fs::path out_folder() const { return folder_.path() / "out"; }
@@ -226,34 +226,30 @@ class KillTest : public testing::Test {
   TemporaryFolder temporary_;
 };
 
-// Waits until the bus has carried so many ENCODER, or the run has ended; gives the newest.
-std::int64_t wait_for_encoder(const std::string& url, std::int64_t count, const fs::path& out) {
-  std::int64_t seen = -1;
+// Waits until the bus has carried so many ENCODER, or the run has ended; `seen` is the newest.
+void wait_for_encoder(const std::string& url, std::int64_t count, const fs::path& out, std::int64_t& seen) {
   const auto bus = msgs::open_lcm_bus(url);
   bus->subscribe(msgs::kEncoderChannel, [&](msgs::Bytes bytes) {
     msgs::Encoder encoder;
     if (msgs::decode(bytes, encoder) == msgs::DecodeStatus::ok) seen = std::max(seen, encoder.sequence);
   });
-  EXPECT_TRUE(wait_for([&] {
+  ASSERT_TRUE(wait_for([&] {
     while (seen < count && bus->handle_one(std::chrono::milliseconds{1})) {
     }
     return seen >= count || fs::exists(out / "summary.json");
   }));
-  return seen;
 }
 
-KillTest::Struck KillTest::strike_at_its_moment(const Moment& moment, RunningProgram& run) {
+void KillTest::strike_at_its_moment(const Moment& moment, RunningProgram& run, Struck& struck) {
   const fs::path out = out_folder();
   const auto has_ended = [&] { return fs::exists(out / "summary.json"); };
-  Struck struck;
   if (moment.victim == Victim::launcher && moment.when == When::at_start) {
-    EXPECT_TRUE(wait_for([&] { return !children_of(run.pid()).empty(); }));
+    ASSERT_TRUE(wait_for([&] { return !children_of(run.pid()).empty(); }));
     struck.was_running = ::kill(run.pid(), SIGKILL) == 0;
-    return struck;
+    return;
   }
   const std::string started = run.wait_for_line("plant is process ");
-  EXPECT_NE(started, "");
-  if (started.empty()) return struck;
+  ASSERT_NE(started, "");
   const std::string url = started.substr(started.find("udpm://"));
   std::optional<RunningProgram> logger;
   pid_t target = 0;
@@ -267,18 +263,18 @@ KillTest::Struck KillTest::strike_at_its_moment(const Moment& moment, RunningPro
       break;
   }
   if (moment.when == When::at_end) {
-    EXPECT_TRUE(wait_for([&] { return fs::exists(out / "run.lcmlog"); }));
+    ASSERT_TRUE(wait_for([&] { return fs::exists(out / "run.lcmlog"); }));
   } else if (moment.when == When::at_count && moment.victim == Victim::logger) {
-    EXPECT_TRUE(wait_for([&] {
+    ASSERT_TRUE(wait_for([&] {
       std::error_code none_yet;
       const auto size = fs::file_size(logger_file(), none_yet);
       return (!none_yet && size >= static_cast<std::uintmax_t>(moment.count)) || has_ended();
     }));
   } else if (moment.when == When::at_count) {
-    struck.seen = wait_for_encoder(url, moment.count, out);
+    ASSERT_NO_FATAL_FAILURE(wait_for_encoder(url, moment.count, out, struck.seen));
   }
   if (moment.victim == Victim::controller) {
-    EXPECT_TRUE(wait_for([&] {
+    ASSERT_TRUE(wait_for([&] {
       target = controller_of(run.pid());
       return target != 0 || has_ended();
     }));
@@ -288,7 +284,6 @@ KillTest::Struck KillTest::strike_at_its_moment(const Moment& moment, RunningPro
     if (!struck.was_running) ::kill(target, SIGKILL);
     EXPECT_EQ(logger->wait_for_end(), -SIGKILL);
   }
-  return struck;
 }
 
 // Whether the log is whole.
@@ -351,8 +346,7 @@ void KillTest::strike(const Moment& moment, Tally& tally) {
   std::string complaints;
   {
     RunningProgram run(command_of(moment, out_folder()));
-    struck = strike_at_its_moment(moment, run);
-    ASSERT_FALSE(HasFailure());
+    ASSERT_NO_FATAL_FAILURE(strike_at_its_moment(moment, run, struck));
     result = run.wait_for_end();
     complaints = run.complaints();
   }
