@@ -4,6 +4,7 @@
 
 #include "sim/machine/drive_protection_file.h"
 #include "sim/machine/possible_value.h"
+#include "sim/machine/sensors_file.h"
 
 namespace slewlab::sim {
 namespace {
@@ -90,6 +91,7 @@ void read_axis(YamlReader& reader, MachineFile& file) {
          form.is_shaft_linear ? "'rated_force' in N: without 'travel_per_turn' the motor does not turn"
                               : "'rated_torque' in N m, of the motor");
   drive.top_speed = sized(reader, "top_speed", form.is_linear ? Unit::metre_per_second : Unit::radian_per_second, positive(), kSpeed);
+  if (reader.has("sensors")) file.parameters.sensors = read_axis_sensors(reader.map("sensors"), form.is_linear, form.is_shaft_linear);
   if (reader.has("drive_protection")) {
     file.drive_protection = read_drive_protection(reader.map("drive_protection"), form.is_shaft_linear ? kLinearShaft : ShaftUnits{});
   }

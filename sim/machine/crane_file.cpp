@@ -7,6 +7,7 @@
 #include "common/readable_number.h"
 #include "sim/machine/drive_protection_file.h"
 #include "sim/machine/possible_value.h"
+#include "sim/machine/sensors_file.h"
 #include "sim/model/boom.h"
 
 namespace slewlab::sim {
@@ -266,6 +267,7 @@ void read_crane(YamlReader& reader, MachineFile& file) {
   if (has_load) crane.load = read_load(reader.map("load"));
   carry(reader, crane);
   crane.motions = read_motions(reader, crane, crane.boom.length > 0.0, has_load);
+  if (reader.has("sensors")) crane.sensors = read_crane_sensors(reader.map("sensors"));
   if (reader.has("drive_protection")) file.drive_protection = read_drive_protection(reader.map("drive_protection"), {});
 }
 

@@ -14,15 +14,18 @@ namespace {
 
 using common::Unit;
 
-// Noise of ordinary sensors, chosen: industrial accelerometers of 0.5 mg over their band; the speed a drive reports from
-// 14 bits a turn. A count is known by the record itself.
-constexpr double kAccelerationNoise = 0.005;  // [m/s^2]
+// Noise of ordinary sensors, chosen, where the machine's file has no other (`sensors:`). A count is known by the record itself.
+constexpr double kAccelerationNoise = 0.005;  // [m/s^2] industrial accelerometers of 0.5 mg over their band
 constexpr double kAccelerationCorner = 50.0;  // [Hz] of 1/f noise, as data sheets of such accelerometers give it
-constexpr double kSpeedNoise = 0.02;          // [rad/s]
-constexpr double kSlewAngleNoise = 2.4e-5;    // [rad] 18 bits on the slew ring
+constexpr double kSpeedNoise = 1.5e-4;        // [-] of the motor's top speed: 0.02 rad/s of an asynchronous motor of four poles at 50 Hz
+constexpr double kAngleNoise = 2.4e-5;        // [rad] 18 bits on the slew ring
 constexpr double kScaleNoise = 1e-6;          // [m] of a glass scale
-// [-] of top speed, of a linear motor: the share that kSpeedNoise is of an asynchronous motor of four poles at 50 Hz, 1300 to 1500 rev/min.
-constexpr double kLinearSpeedNoise = 1.5e-4;
+
+double known_or(double known, double ordinary) { return known > 0.0 ? known : ordinary; }
+
+double motor_speed_noise(const CraneParameters& machine, const Scales& scales) {
+  return known_or(machine.sensors.motor_speed_noise, kSpeedNoise * scales.ratio * scales.top_speed);
+}
 
 std::string of_group(std::string_view what, int group, int count) {
   return count == 1 ? std::string(what) : std::string(what) + " of group " + std::to_string(group + 1);
@@ -60,7 +63,7 @@ double radius_of(const CraneParameters& machine, SensorPlace place) {
   }
 }
 
-Sensor sensor_of(const msgs::Signal& signal, const CraneParameters& machine) {
+Sensor sensor_of(const msgs::Signal& signal, const CraneParameters& machine, const Scales& scales) {
   Sensor sensor;
   sensor.name = signal.field;
   std::replace(sensor.name.begin(), sensor.name.end(), '_', ' ');
@@ -72,22 +75,22 @@ Sensor sensor_of(const msgs::Signal& signal, const CraneParameters& machine) {
   switch (sensor.unit) {
     case Unit::metre_per_second_squared:
       sensor.radius = radius_of(machine, sensor.place);
-      sensor.noise_floor = kAccelerationNoise;
-      sensor.noise_corner = kAccelerationCorner;
+      sensor.noise_floor = known_or(machine.sensors.acceleration_noise, kAccelerationNoise);
+      sensor.noise_corner = known_or(machine.sensors.acceleration_noise_corner, kAccelerationCorner);
       break;
-    case Unit::radian_per_second: sensor.noise_floor = kSpeedNoise; break;
-    case Unit::radian: sensor.noise_floor = counts ? 0.0 : kSlewAngleNoise; break;
+    case Unit::radian_per_second: sensor.noise_floor = motor_speed_noise(machine, scales); break;
+    case Unit::radian: sensor.noise_floor = counts ? 0.0 : known_or(machine.sensors.slew_angle_noise, kAngleNoise); break;
     default: break;
   }
   return sensor;
 }
 
-std::vector<Sensor> sensors_of(const CraneParameters& machine) {
+std::vector<Sensor> sensors_of(const CraneParameters& machine, const Scales& scales) {
   std::vector<Sensor> sensors;
   const int groups = machine.drive.group_count;
   for (int group = 0; group < groups; ++group) {
     for (const msgs::Signal& signal : msgs::kSignals) {
-      Sensor sensor = sensor_of(signal, machine);
+      Sensor sensor = sensor_of(signal, machine, scales);
       if (sensor.place != SensorPlace::motor_group) continue;
       sensor.name = of_group(sensor.name, group, groups);
       sensor.group = group;
@@ -96,7 +99,7 @@ std::vector<Sensor> sensors_of(const CraneParameters& machine) {
   }
   for (const msgs::Signal& signal : msgs::kSignals) {
     const SensorPlace place = place_named(signal.place);
-    if (place != SensorPlace::motor_group && has_place(machine, place)) sensors.push_back(sensor_of(signal, machine));
+    if (place != SensorPlace::motor_group && has_place(machine, place)) sensors.push_back(sensor_of(signal, machine, scales));
   }
   return sensors;
 }
@@ -115,15 +118,14 @@ std::vector<Effort> efforts_of_axis(const AxisForm& form, const Scales& scales) 
           {form.is_linear ? "force on the axis" : "torque on the axis", axis.torque, EffortPlace::axis, -1, scales.axis_torque}};
 }
 
-std::vector<Sensor> sensors_of_axis(const AxisForm& form, bool has_load_encoder, const Scales& scales) {
+std::vector<Sensor> sensors_of_axis(const AxisForm& form, const CraneParameters& machine, const Scales& scales) {
   const AxisUnits& shaft = form.is_shaft_linear ? kLinear : kRotary;
-  const double speed_noise = form.is_shaft_linear ? kLinearSpeedNoise * scales.top_speed : kSpeedNoise;
   std::vector<Sensor> sensors{
-      {"motor speed", shaft.speed, "ENCODER", "shaft_speed", SensorPlace::motor_group, 0, 0.0, speed_noise},
+      {"motor speed", shaft.speed, "ENCODER", "shaft_speed", SensorPlace::motor_group, 0, 0.0, motor_speed_noise(machine, scales)},
       {"motor position", shaft.position, "ENCODER", "shaft_position", SensorPlace::motor_group, 0, 0.0, 0.0}};
-  if (has_load_encoder) {
+  if (machine.house.has_encoder) {
     sensors.push_back({"load position", form.is_linear ? Unit::metre : Unit::radian, "SENSORS", "slew_angle", SensorPlace::axis, -1, 0.0,
-                       form.is_linear ? kScaleNoise : kSlewAngleNoise});
+                       known_or(machine.sensors.slew_angle_noise, form.is_linear ? kScaleNoise : kAngleNoise)});
   }
   return sensors;
 }
@@ -232,7 +234,7 @@ MachineDescription describe(const MachineFile& file) {
   description.scales = scales_of(file.parameters);
   const bool is_axis = file.kind == MachineKind::axis;
   description.efforts = is_axis ? efforts_of_axis(file.axis, description.scales) : efforts_of(file.parameters, description.scales);
-  description.sensors = is_axis ? sensors_of_axis(file.axis, file.parameters.house.has_encoder, description.scales) : sensors_of(file.parameters);
+  description.sensors = is_axis ? sensors_of_axis(file.axis, file.parameters, description.scales) : sensors_of(file.parameters, description.scales);
   description.parameters = parameters_of(file);
   return description;
 }

@@ -116,6 +116,14 @@ struct MotionParameters {
   double travel_direction = 0.0;  // [rad] of the track, from the boom's direction at the slew angle 0
 };
 
+// What the machine's sensors are known to be; 0 is an ordinary sensor of its kind (sim/machine/description.h).
+struct SensorParameters {
+  double motor_speed_noise = 0.0;          // [rad/s] standard deviation of a reading, as all of these
+  double slew_angle_noise = 0.0;           // [rad]
+  double acceleration_noise = 0.0;         // [m/s^2]
+  double acceleration_noise_corner = 0.0;  // [Hz] below which it rises as 1/f
+};
+
 // A plain axis (`kind: axis`) is a crane without boom and load: one motor group, and a house that is what the axis
 // moves. On a linear axis angles read [m], inertias [kg], torques [N]; the ratio is motor radians per metre.
 struct CraneParameters {
@@ -125,6 +133,7 @@ struct CraneParameters {
   LoadParameters load;
   AxisForceParameters axis_force;
   MotionParameters motions{};
+  SensorParameters sensors{};
 };
 
 }  // namespace slewlab::sim
