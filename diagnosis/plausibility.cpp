@@ -26,6 +26,7 @@ constexpr double kManyPlays = 5.0;    // that a group has turned, from which it 
 // machine's acceleration makes of it in a cycle: a motor that crosses the play alone makes a tenth of that.
 constexpr double kJump = 0.0036, kJumpOfAcceleration = 36.0;
 constexpr double kAtLimit = 1.0 - 1e-9;  // share of the largest size, from which a value stands at it
+constexpr double kLevelStands = 0.1;  // of the shortest stand that is looked at, from which another one at the same size is no chance; chosen
 constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
 constexpr double kStands = 0.05;      // of top speed, below which a machine stands while its boom and load swing on; chosen, as a record begins in motion
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
@@ -123,7 +124,21 @@ double limit_of(const std::vector<double>& values) {
   return stands > 1 ? largest : std::numeric_limits<double>::infinity();
 }
 
-// A command that stands still while what is needed, slowly, changes by a share of its range; but where it stands at a limit, the rated torque among them. What
+// Whether a series stands at this size, of either sign, for `least` values in a row outside [begin, end): a level to which its controller comes back, as that
+// of a group that presses while another one drives.
+bool stands_elsewhere(const std::vector<double>& values, std::size_t begin, std::size_t end, std::size_t least) {
+  const double size = std::fabs(values[begin]);
+  std::size_t length = 0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const bool is_there = (n < begin || n >= end) && std::fabs(std::fabs(values[n]) - size) <= (1.0 - kAtLimit) * size;
+    length = is_there ? length + 1 : 0;
+    if (length >= least) return true;
+  }
+  return false;
+}
+
+// A command that stands still while what is needed, slowly, changes by a share of its range; but where it stands at a limit, the rated torque among them, or at a
+// level of its controller. What
 // is needed is looked at inside the stand, where nothing of the time before and after is smoothed into it.
 void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
                       double share, const AdmissionSettings& settings) {
@@ -138,7 +153,8 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
     if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
     const double torque = std::fabs(recorded[begin]);
     const bool is_limited = torque >= kAtLimit * torque_limit || std::fabs(torque - settings.rated_torque) <= (1.0 - kAtLimit) * settings.rated_torque;
-    if (n - begin > limit && recorded[begin] != 0.0 && !is_limited) {
+    const auto is_level = [&] { return stands_elsewhere(recorded, begin, n, static_cast<std::size_t>(std::ceil(kLevelStands * static_cast<double>(limit)))); };
+    if (n - begin > limit && recorded[begin] != 0.0 && !is_limited && !is_level()) {
       const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
       if (*high - *low > share * (*highest - *lowest)) {
         throw NotAdmitted(fmt::format("{}: {} is frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; cut the "
