@@ -37,7 +37,6 @@ constexpr double kMost = 0.5;                // share of the gap on data that we
 constexpr double kWorthSaying = 0.1;         // share of the gap that is not explained, from which it is named
 constexpr double kBeyondRating = 20.0;       // times the rated torque or the top speed: no motor is overloaded so far
 constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_setup.cpp)
-constexpr double kFewMoves = 0.01;           // of a record, by which it moves in a direction
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
 constexpr int kHalvings = 40;                // of the bracket of a speed
 constexpr std::size_t kForwardStretches = 10;  // of the record that is held out, from whose beginnings it is simulated
@@ -205,13 +204,10 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const std::vect
   validation.cause_together = correlated_rms(unseen, balance.laws, diagnosis.validated, balance.resolved_speed);
   validation.speed = root_mean_square(unseen.speed);
   validation.acceleration = root_mean_square(unseen.acceleration);
-  const auto moves = [&](const BalanceRecord& record, double sign) {
-    const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return sign * speed > balance.resolved_speed; });
-    return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
-  };
-  for (const double sign : {1.0, -1.0}) {
-    validation.is_one_direction |= !moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
-    validation.is_other_direction |= moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
+  validation.is_one_direction = balance.direction != 0;
+  for (const int direction : {1, -1}) {
+    const auto moves = [&](const BalanceRecord& record) { return moves_along(record, direction, balance.resolved_speed); };
+    validation.is_other_direction |= moves(unseen) && std::none_of(seen.begin(), seen.end(), moves);
   }
   validation.holds = predicts_better(validation, diagnosis.validated);
 }
@@ -262,7 +258,7 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
   const BalanceModel& model = diagnosis.answer.best;
   const auto size = [&](std::string_view law, std::size_t k = 0) {
     const BalanceTerm* term = term_of(model, law);
-    return term == nullptr ? 0.0 : term->size[k];
+    return term == nullptr || k >= term->size.size() ? 0.0 : term->size[k];
   };
   const auto shape = [&](std::string_view law) {
     const BalanceTerm* term = term_of(model, law);
@@ -553,9 +549,11 @@ TransmissionGap transmission_gap(const sim::MachineFile& axis, const std::vector
   return all;
 }
 
-// What no law predicts is no unknown where the described transmission alone would make most of it.
+// What no law predicts is no unknown where the described transmission alone would make most of it, and what seems to come late is what swings behind it.
 void judge_transmission(const sim::MachineFile& axis, double measured, AxisDiagnosis& diagnosis) {
-  const bool is_open = !axis.parameters.drive.is_rigid && (diagnosis.outcome == AxisOutcome::unknown || diagnosis.outcome == AxisOutcome::not_identifiable);
+  const std::vector<BalanceTerm>& named = diagnosis.answer.best.terms;
+  const bool is_late = diagnosis.outcome == AxisOutcome::stated && std::any_of(named.begin(), named.end(), [](const BalanceTerm& term) { return term.family == LawFamily::drive; });
+  const bool is_open = !axis.parameters.drive.is_rigid && (is_late || diagnosis.outcome == AxisOutcome::unknown || diagnosis.outcome == AxisOutcome::not_identifiable);
   if (!is_open || diagnosis.transmission < kMost * measured) return;
   diagnosis.is_hidden_by_transmission = true;
   const char* unit = axis.axis.is_linear ? "N" : "Nm";

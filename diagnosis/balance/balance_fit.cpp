@@ -17,24 +17,31 @@ namespace {
 
 constexpr double kNegligible = 1e-4;  // probability that is not told
 
+double belief(const BalanceAnswer& answer, const BalanceTerm& term) {
+  const auto law = std::find_if(answer.laws.begin(), answer.laws.end(), [&](const LawProbability& one) { return one.law == term.law; });
+  return law == answer.laws.end() ? 1.0 : law->belief;
+}
+
 }  // namespace
 
 std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer) {
   std::vector<FamilyProbability> families{{LawFamily::friction}, {LawFamily::load}, {LawFamily::drive}};
-  const auto belief = [&](const BalanceTerm& term) {
-    const auto law = std::find_if(answer.laws.begin(), answer.laws.end(), [&](const LawProbability& one) { return one.law == term.law; });
-    return law == answer.laws.end() ? 1.0 : law->belief;
-  };
   for (const BalanceModel& model : answer.models) {
     for (FamilyProbability& one : families) {
       double none = 1.0;
       for (const BalanceTerm& term : model.terms) {
-        if (term.family == one.family) none *= 1.0 - belief(term);
+        if (term.family == one.family) none *= 1.0 - belief(answer, term);
       }
       one.probability += model.probability * (1.0 - none);
     }
   }
   return families;
+}
+
+double believed_probability(const BalanceAnswer& answer, const BalanceModel& model) {
+  double believed = model.probability;
+  for (const BalanceTerm& term : model.terms) believed *= belief(answer, term);
+  return believed;
 }
 
 std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer) {

@@ -53,6 +53,9 @@ struct FamilyProbability {
   double probability = 0.0;
 };
 std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer);
+// Of a model, what of its probability doubts of its laws do not take away: p times the beliefs of them. The rest is that of its other laws with something
+// unknown in the place of those.
+double believed_probability(const BalanceAnswer& answer, const BalanceModel& model);
 // Falling, the answer's own laws as its terms say.
 std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer);
 

@@ -35,13 +35,21 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
     return m.is_exact ? static_cast<double>((m.speed > 0.0) - (m.speed < 0.0)) : std::tanh(m.speed / resolved);
   };
   std::vector<BalanceLaw> laws;
-  laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
-  // No two directions are quite alike: half their difference goes with |v|.
-  laws.push_back({"viscous", LawFamily::friction, "viscous friction",
-                  {{0.0, {[](const LawMoment& m) { return m.speed; }, [](const LawMoment& m) { return std::fabs(m.speed); }},
-                    std::numeric_limits<double>::infinity(), true}}, true, "", true});
-  // With dry friction this is dry friction with a value of its own in each direction: the same motion.
-  laws.push_back({"offset", LawFamily::load, "constant torque", {{0.0, {[](const LawMoment&) { return 1.0; }}}}, false, "", true});
+  const auto along_speed = [](const LawMoment& m) { return m.speed; };
+  const auto constant = [](const LawMoment&) { return 1.0; };
+  if (scales.direction == 0) {
+    laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
+    // No two directions are quite alike: half their difference goes with |v|.
+    laws.push_back({"viscous", LawFamily::friction, "viscous friction", {{.columns = {along_speed, [](const LawMoment& m) { return std::fabs(m.speed); }}, .is_leaning = true}}, true, "", true});
+    // With dry friction this is dry friction with a value of its own in each direction: the same motion.
+    laws.push_back({"offset", LawFamily::load, "constant torque", {{0.0, {constant}}}, false, "", true});
+  } else {
+    laws.push_back({"dry", LawFamily::friction, "dry friction or a constant torque against the motion", {{0.0, {direction}}}, true, "", true, "offset"});
+    laws.push_back({"viscous", LawFamily::friction, "viscous friction", {{0.0, {along_speed}}}, true, "", true});
+    LawShape helping{.columns = {constant}};
+    (scales.direction > 0 ? helping.largest : helping.least) = 0.0;
+    laws.push_back({"offset", LawFamily::load, "constant torque along the motion", {helping}, false, "", true, "dry"});
+  }
   BalanceLaw stribeck{"stribeck", LawFamily::friction, "friction that falls from its breakaway value", {}, true, "", false};
   BalanceLaw rising{"rising", LawFamily::friction, "friction that rises from low speed and flattens", {}, true, "", false};
   for (const double share : kSpeedShares) {

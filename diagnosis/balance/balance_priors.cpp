@@ -50,7 +50,7 @@ void add_priors(const std::vector<BalanceRecord>& records, const std::vector<Bal
     }
   }
   const auto viscous = chosen_law(laws, "viscous");
-  if (!viscous || !(speed > 0.0)) return;
+  if (!viscous || !(speed > 0.0) || !laws[static_cast<std::size_t>(viscous->first)].shapes[viscous->second].is_leaning) return;
   for (std::size_t c = 0; c < regression.columns.size(); ++c) {
     if (regression.columns[c].law != viscous->first) continue;
     const auto at = std::find(columns.begin(), columns.end(), static_cast<Eigen::Index>(c)) - columns.begin();

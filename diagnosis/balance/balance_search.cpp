@@ -22,7 +22,7 @@ std::vector<ValidatedChoice> additions(const Regression& regression, const std::
   };
   for (std::size_t l = 0; l < laws.size(); ++l) {
     if (only_ordinary && !laws[l].is_ordinary) continue;
-    if (has(laws[l].name) || (!laws[l].needs.empty() && !has(laws[l].needs))) continue;
+    if (has(laws[l].name) || (!laws[l].needs.empty() && !has(laws[l].needs)) || (!laws[l].instead_of.empty() && has(laws[l].instead_of))) continue;
     std::optional<ValidatedChoice> best;
     for (std::size_t s = 0; s < laws[l].shapes.size(); ++s) {
       LawChoice longer = choice;

@@ -11,6 +11,7 @@ namespace {
 constexpr double kLongestWindow = 0.5;  // of the time in which the axis changes its speed, in which laws are taken for constant; chosen
 constexpr double kResolved = 2e-3;      // of top speed, below which no friction is judged; chosen
 constexpr double kNoises = 3.0;         // standard deviations of the speed's noise, likewise
+constexpr double kFewMoves = 0.01;      // of a record, by which it moves in a direction; chosen
 constexpr double kShortestLate = 1.5;   // [samples], below which a recorder's skew is as likely
 // Lags that are tried, of the time in which the axis changes its speed; evenly in the logarithm.
 constexpr double kLateShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36, 0.5};
@@ -46,8 +47,9 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
   balance.resolved_speed = kResolved * top_speed;
   BalanceScales scales;
   double low = std::numeric_limits<double>::infinity(), high = -low, speed = 0.0, acceleration = 0.0, step = 0.0;
+  std::vector<BalanceRecord> all;
   for (const AxisRecord& record : records) {
-    const BalanceRecord one = make_balance_record(record, balance.half_window);
+    const BalanceRecord& one = all.emplace_back(make_balance_record(record, balance.half_window));
     balance.resolved_speed = std::max(balance.resolved_speed, kNoises * one.speed_noise);
     for (std::size_t n = 0; n < one.speed.size(); ++n) {
       speed += one.speed[n] * one.speed[n];
@@ -58,6 +60,11 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
     low = std::min(low, *std::min_element(one.position.begin(), one.position.end()));
     high = std::max(high, *std::max_element(one.position.begin(), one.position.end()));
   }
+  const auto is_moved_along = [&](int direction) {
+    return std::any_of(all.begin(), all.end(), [&](const BalanceRecord& one) { return moves_along(one, direction, balance.resolved_speed); });
+  };
+  balance.direction = static_cast<int>(is_moved_along(1)) - static_cast<int>(is_moved_along(-1));
+  scales.direction = balance.direction;
   scales.top_speed = top_speed;
   scales.resolved_speed = balance.resolved_speed;
   scales.middle_position = 0.5 * (low + high);
@@ -70,6 +77,11 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
   scales.late_times = balance.late_times;
   balance.laws = balance_laws(scales);
   return balance;
+}
+
+bool moves_along(const BalanceRecord& record, int direction, double resolved_speed) {
+  const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return direction * speed > resolved_speed; });
+  return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
 }
 
 std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {

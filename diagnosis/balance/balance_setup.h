@@ -20,11 +20,14 @@ namespace slewlab::diagnosis {
 struct Balance {
   std::size_t half_window = 0;  // [samples]
   double resolved_speed = 0.0;
+  int direction = 0;  // BalanceScales::direction
   std::vector<double> late_times;  // [s] of lags that are tried
   std::vector<BalanceLaw> laws;
 };
 // `inertia` and `top_speed` are the nominal axis's. Throws std::invalid_argument where a record is too short.
 Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary);
+// Whether a record moves that way (1, -1) faster than the positions resolve, in more than a few of its samples.
+bool moves_along(const BalanceRecord& record, int direction, double resolved_speed);
 std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance);
 
 }  // namespace slewlab::diagnosis

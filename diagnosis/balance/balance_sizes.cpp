@@ -68,7 +68,9 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
 ValidatedChoice with_details(const Regression& regression, const std::vector<BalanceLaw>& laws, const ValidatedChoice& named) {
   LawChoice whole = named.choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
-    const bool is_in = std::any_of(whole.laws.begin(), whole.laws.end(), [&](const auto& law) { return law.first == static_cast<int>(l); });
+    const bool is_in = std::any_of(whole.laws.begin(), whole.laws.end(), [&](const auto& law) {
+      return law.first == static_cast<int>(l) || laws[static_cast<std::size_t>(law.first)].name == laws[l].instead_of;
+    });
     const std::pair<int, std::size_t> law{static_cast<int>(l), 0};
     if (laws[l].is_ordinary && !is_in && is_told_apart(regression, whole, law)) whole.laws.push_back(law);
   }

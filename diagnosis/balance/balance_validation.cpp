@@ -29,14 +29,14 @@ std::vector<Eigen::Index> told_by_records(const Regression& regression, const st
 bool has_possible_sizes(const Regression& regression, const std::vector<BalanceLaw>& laws, const std::vector<Eigen::Index>& columns,
                         const std::pair<int, std::size_t>& chosen, const Eigen::VectorXd& sizes) {
   const BalanceLaw& law = laws[static_cast<std::size_t>(chosen.first)];
-  if (!law.is_dissipative) return true;
   const auto first = std::find_if(columns.begin(), columns.end(), [&](Eigen::Index c) {
     const RegressionColumn& column = regression.columns[static_cast<std::size_t>(c)];
     return column.law == chosen.first && column.shape == chosen.second;
   });
   const LawShape& shape = law.shapes[chosen.second];
   const double size = sizes(first - columns.begin());
-  return size >= 0.0 && size <= shape.largest && !(shape.is_leaning && std::fabs(sizes(first - columns.begin() + 1)) > size);
+  const double least = law.is_dissipative ? 0.0 : shape.least;
+  return size >= least && size <= shape.largest && !(shape.is_leaning && std::fabs(sizes(first - columns.begin() + 1)) > size);
 }
 
 ValidatedChoice validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const LawChoice& choice) {

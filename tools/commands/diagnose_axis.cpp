@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/unit.h"
@@ -85,8 +87,8 @@ nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm
 }
 
 // Either set of sizes belongs together: those of the laws alone, and those of the laws beside what is carried along (`predicts`).
-nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, const Words& words) {
-  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
+nlohmann::json to_json(const BalanceModel& model, double probability, const BalanceModel& predicts, const Words& words) {
+  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", probability},
                       {"sizes", sizes_of(model, model.terms, words)}, {"details", nlohmann::json::array()}};
   for (const BalanceTerm& term : model.named()) {
     json["laws"].push_back(term.law);
@@ -96,6 +98,20 @@ nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, 
   if (!predicts.details.empty()) json["sizes_with_details"] = sizes_of(predicts, predicts.acting(), words);
   json["torque_recorded_ahead_s"] = predicts.skew;
   return json;
+}
+
+// What doubts of laws take away of the models' probabilities, and in words what that is instead; no words: nothing.
+struct InTheirPlace {
+  double probability = 0.0;
+  std::string words;
+};
+InTheirPlace in_their_place(const diagnosis::BalanceAnswer& answer) {
+  InTheirPlace found;
+  for (const BalanceModel& model : answer.models) found.probability += model.probability - diagnosis::believed_probability(answer, model);
+  for (const diagnosis::LawProbability& law : answer.laws) {
+    if (law.belief < 1.0) found.words += (found.words.empty() ? "these with something unknown in the place of " : " and of ") + law.words;
+  }
+  return found;
 }
 
 // The laws of a family that were tried; a constant torque that says where a load over the position rests is none of its own.
@@ -111,6 +127,7 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
   nlohmann::json json{{"kind", "axis"},
                       {"gap", found.outcome != AxisOutcome::nothing_missing},
                       {"is_stated", found.outcome == AxisOutcome::nothing_missing || found.outcome == AxisOutcome::stated},
+                      {"cannot_tell", found.outcome == AxisOutcome::not_identifiable},
                       {"verdict", found.verdict},
                       {"action", found.action},
                       {"unit", words.effort},
@@ -119,6 +136,8 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"speed_unit", words.speed},
                       {"nominal_inertia", found.nominal_inertia},
                       {"probability_unknown", found.answer.probability_unknown},
+                      {"probability_unknown_instead", in_their_place(found.answer).probability},
+                      {"unknown_instead", in_their_place(found.answer).words},
                       {"explained_share", found.answer.explained},
                       {"unexplained_share", found.unexplained},
                       {"has_unknown_remainder", found.has_remainder},
@@ -135,7 +154,7 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
     json["unseen"].push_back({{"log", one.place}, {"holds", one.holds}, {"nominal", to_json(one.nominal)}, {"inertia_alone", to_json(one.inertia)}, {"cause", to_json(one.cause)}});
   }
   for (const BalanceModel& model : found.answer.models) {
-    json["causes"].push_back(to_json(model, &model == &found.answer.models.front() ? found.answer.best : model, words));
+    json["causes"].push_back(to_json(model, diagnosis::believed_probability(found.answer, model), &model == &found.answer.models.front() ? found.answer.best : model, words));
   }
   for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
     nlohmann::json members = nlohmann::json::array();
@@ -167,35 +186,25 @@ std::string unseen_text(const AxisDiagnosis& found, const Words& words) {
   return text;
 }
 
-std::string summary_text(const AxisDiagnosis& found, const Words& words) {
-  const auto& validation = found.validation;
-  const bool is_gap = found.outcome != AxisOutcome::nothing_missing;
-  std::string text = fmt::format("{}.\n{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
-                                 found.verdict, found.action, is_gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
-                                 words.inertia_name, validation.inertia.balance, words.effort);
-  if (is_gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
-  text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
-  if (found.outcome == AxisOutcome::stated) {
-    text += "\nFamilies of laws, and which of their laws are there, alone or beside others\n";
-    for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
-      if (one.probability < kWorthNaming) continue;
-      text += fmt::format("  {:5.1f} %  {}\n", 100 * one.probability, diagnosis::words_of(one.family));
-      for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
-        if (law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
-      }
+// Falling probability, the first with its sizes.
+std::string causes_text(const AxisDiagnosis& found, const Words& words) {
+  std::string text = "\nCauses\n";
+  const InTheirPlace instead = in_their_place(found.answer);
+  std::vector<std::pair<double, std::string>> untold{{found.answer.probability_unknown, "outside the catalogue (unknown)"}};
+  if (!instead.words.empty()) untold.emplace_back(instead.probability, instead.words);
+  std::sort(untold.begin(), untold.end(), std::greater<>());
+  const auto tell_those_above = [&](double probability) {
+    while (!untold.empty() && untold.front().first > probability) {
+      text += fmt::format("  {:5.1f} %  {}\n", 100 * untold.front().first, untold.front().second);
+      untold.erase(untold.begin());
     }
-  }
-  text += "\nCauses\n";
-  bool is_unknown_told = false;
-  const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * found.answer.probability_unknown);
+  };
   for (const BalanceModel& model : found.answer.models) {
-    if (!is_unknown_told && found.answer.probability_unknown > model.probability) {
-      text += unknown;
-      is_unknown_told = true;
-    }
+    const double probability = diagnosis::believed_probability(found.answer, model);
+    tell_those_above(probability);
     const bool is_best = &model == &found.answer.models.front();
-    if (!is_best && model.probability < kWorthNaming) continue;
-    text += fmt::format("  {:5.1f} %  {}\n", 100 * model.probability, model.words());
+    if (!is_best && probability < kWorthNaming) continue;
+    text += fmt::format("  {:5.1f} %  {}\n", 100 * probability, model.words());
     if (!is_best) continue;
     const Interval inertia = interval_of(model.inertia, model.inertia_deviation, true);
     text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
@@ -214,7 +223,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
       }
     }
   }
-  if (!is_unknown_told) text += unknown;
+  tell_those_above(-1.0);
   if (!found.answer.best.details.empty() && found.outcome == AxisOutcome::stated) {
     text += "            carried along, as every machine has a little of it, not sure to be there:";
     for (const BalanceTerm& term : found.answer.best.details) {
@@ -225,6 +234,28 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format(", {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
     text += '\n';
   }
+  return text;
+}
+
+std::string summary_text(const AxisDiagnosis& found, const Words& words) {
+  const auto& validation = found.validation;
+  const bool is_gap = found.outcome != AxisOutcome::nothing_missing;
+  std::string text = fmt::format("{}.\n{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
+                                 found.verdict, found.action, is_gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
+                                 words.inertia_name, validation.inertia.balance, words.effort);
+  if (is_gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
+  text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
+  if (found.outcome == AxisOutcome::stated) {
+    text += "\nFamilies of laws, and which of their laws are there, alone or beside others\n";
+    for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
+      if (one.probability < kWorthNaming) continue;
+      text += fmt::format("  {:5.1f} %  {}\n", 100 * one.probability, diagnosis::words_of(one.family));
+      for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
+        if (law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
+      }
+    }
+  }
+  if (found.outcome != AxisOutcome::not_identifiable) text += causes_text(found, words);
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
                       words.inertia_name);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "torque balance", validation.nominal.balance, validation.inertia.balance,
@@ -309,8 +340,8 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   findings.write("summary.txt", summary);
   findings.keep();
   out << summary << "files: " << options.out.string() << std::endl;
-  run_python("diagnosis_report.py", {options.out.string()});
-  return 0;
+  const int drawn = call_python("diagnosis_report.py", {options.out.string()});
+  return drawn == 0 && found.outcome == AxisOutcome::not_identifiable ? kCannotTell : drawn;
 }
 
 }  // namespace slewlab::tools

@@ -694,10 +694,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     return diagnose_crane_logs(machine, options, out, complaints);
   } catch (const diagnosis::NotAdmitted& problem) {
     complaints << "cannot tell, because " << problem.what() << "\n";
-    return 3;
+    return kCannotTell;
   } catch (const diagnosis::NoBalance& problem) {
     complaints << "cannot tell, because " << problem.what() << "\n";
-    return 3;
+    return kCannotTell;
   } catch (const diagnosis::Interrupted&) {
     complaints << "interrupted; nothing was written\n";
     return common::stop_exit_code();

@@ -22,6 +22,8 @@ struct DiagnoseOptions {
   bool terminal = false;  // progress is one line that is written over, not a line every two seconds
 };
 
+inline constexpr int kCannotTell = 3;  // exit code
+
 // Answers with the exit code: 0 diagnosed, 1 the work failed, 2 the options, a file or a log is wrong, 3 "cannot tell, because" (said on
 // `complaints`), 128 with the signal's number interrupted. Files appear whole or not at all.
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints);

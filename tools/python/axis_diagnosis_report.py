@@ -15,6 +15,9 @@ def probability_figure(found):
     causes = [cause for cause in found["causes"] if cause["probability"] > 0.002][:8]
     names = [cause["words"] for cause in causes] + ["outside the catalogue (unknown)"]
     shares = [cause["probability"] for cause in causes] + [found["probability_unknown"]]
+    if found["unknown_instead"]:
+        names.append(found["unknown_instead"])
+        shares.append(found["probability_unknown_instead"])
     figure = graph.Figure(graph.Bar(x=shares[::-1], y=names[::-1], orientation="h", marker_color=AFTER))
     figure.update_layout(title="Probability of each set of laws", xaxis={"range": [0, 1], "tickformat": ".0%"},
                          yaxis={"automargin": True}, height=140 + 34 * len(names))
@@ -47,7 +50,7 @@ def effort_figure(found, series, log):
 
 
 def figures_of(found, directory):
-    figures = [probability_figure(found)]
+    figures = [] if found["cannot_tell"] else [probability_figure(found)]
     for record in found["series"]:
         series = pandas.read_csv(os.path.join(directory, record["file"]))
         figures += [residual_figure(found, series, record["log"]), effort_figure(found, series, record["log"])]

@@ -458,6 +458,36 @@ TEST(AxisDiagnosis, OneDirectionCarriesNoConstantTorqueAlongDryFriction) {
 }
 
 // What dry friction holds stands still in forward simulation, however long.
+// A conveyor that turns one way and stands between its moves: how it starts and stops tells no difference of directions and no constant torque, and the one law
+// has both names.
+TEST(AxisDiagnosis, OneDirectionWithStopsIsOneLawOfTwoNames) {
+  for (const double count : {1e-5, 5e-4}) {
+    SimulatedAxis axis = noisy([](double, double, double speed) { return 1.5 * std::tanh(speed / 1e-3) + 2.0 * speed; });
+    axis.noise = count;
+    SimulatedAxis other = axis;
+    other.seed = 2;
+    const auto moves = [](double time, double fast, double slow) { return time < 1.0 ? fast : time < 2.5 ? slow : 0.0; };
+    axis.effort = [moves](double time) { return moves(std::fmod(time, 4.0), 6.0, 3.5); };
+    other.effort = [moves](double time) { return moves(std::fmod(time, 5.0), 4.0, 5.0); };
+    const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+    ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+    EXPECT_EQ(found.answer.best.words(), "dry friction or a constant torque against the motion and viscous friction") << found.verdict;
+    EXPECT_NEAR(size_of(found.answer.best, "dry"), 1.5, 0.15);
+    EXPECT_NEAR(size_of(found.answer.best, "viscous"), 2.0, 0.2);
+    EXPECT_EQ(size_of(found.answer.best, "offset"), 0.0);
+    for (const BalanceTerm& term : found.answer.best.acting()) EXPECT_EQ(term.size.size(), 1u) << term.law;
+  }
+}
+
+// What helps the motion in the one direction there is, is no friction.
+TEST(AxisDiagnosis, OneDirectionTellsATorqueThatHelps) {
+  const SimulatedAxis axis = noisy([](double, double, double speed) { return -2.0 + 2.5 * speed; });
+  const AxisDiagnosis found = diagnose_axis(axis_file(), one_way_runs(axis, {4.0, 1.0}, {3.0, 0.5}));
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "offset"), -2.0, 0.2) << found.verdict;
+  EXPECT_EQ(size_of(found.answer.best, "dry"), 0.0);
+}
+
 TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
   AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0), 0.0, {}};
   const BalanceRecord smooth = make_balance_record(record, 3);
@@ -616,6 +646,14 @@ TEST(AxisDiagnosis, ADescribedTransmissionThatMakesMostOfTheGapLeavesItOpen) {
   EXPECT_EQ(found.outcome, AxisOutcome::not_identifiable) << found.verdict;
   EXPECT_NE(found.verdict.find("for the transmission of the file alone its residual is"), std::string::npos) << found.verdict;
   EXPECT_EQ(found.action.rfind("Compare stiffness and play", 0), 0u) << found.action;
+}
+
+// A load that swings behind a soft transmission follows its motor late, as under a drive that lags; no drive is that slow.
+TEST(AxisDiagnosis, WhatSwingsBehindADescribedTransmissionIsNoDriveThatLags) {
+  const std::string soft = transmission(14e3, 0.0);
+  const sim::MachineFile real = table(-1.0, soft + kDryBearing);
+  const AxisDiagnosis found = diagnose_axis(table(-1.0, soft), {own_run(real, 0.3), own_run(real, 0.5)});
+  EXPECT_FALSE(found.outcome == AxisOutcome::stated && size_of(found.answer.best, "lag") != 0.0) << found.verdict;
 }
 
 // Friction that is much more than what the gears make is found behind them.

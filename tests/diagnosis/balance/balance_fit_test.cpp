@@ -139,6 +139,10 @@ TEST(BalanceFit, AFamilyIsAsSureAsItsMembersAllow) {
   answer.models = {model(0.6, {"dry", "rising"}), model(0.3, {"rising"}), model(0.1, {"dry"})};
   answer.laws = {{"dry", "dry", LawFamily::friction, 0.7}, {"rising", "rising", LawFamily::friction, 0.2 * 0.9, 0.2}};
   EXPECT_NEAR(family_probabilities(answer).front().probability, 0.76, 1e-12);
+  // What is told of the models does not contradict what is told of the law: 0.2 of 0.6 and of 0.3 have it.
+  EXPECT_NEAR(believed_probability(answer, answer.models[0]), 0.12, 1e-12);
+  EXPECT_NEAR(believed_probability(answer, answer.models[1]), 0.06, 1e-12);
+  EXPECT_NEAR(believed_probability(answer, answer.models[2]), 0.1, 1e-12);
   answer.models = {model(0.9, {"lag"})};
   answer.laws = {{"lag", "lag", LawFamily::drive, 0.2 * 0.9, 0.2}};
   EXPECT_NEAR(family_probabilities(answer).back().probability, law_probabilities(answer).front().probability, 1e-12);

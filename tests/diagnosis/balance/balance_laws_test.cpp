@@ -60,6 +60,21 @@ TEST(BalanceLaws, AreThoseThatTheAxisCanShow) {
   EXPECT_EQ(law_of(balance_laws(late), "lag")->shapes.size(), 2u);
 }
 
+// Of records of one direction a difference of directions is no column, and a constant is one that helps the motion, instead of dry friction.
+TEST(BalanceLaws, OneDirectionHasNoDifferenceOfDirections) {
+  for (const int direction : {1, -1}) {
+    BalanceScales one_way = kRotary;
+    one_way.direction = direction;
+    const std::vector<BalanceLaw> laws = balance_laws(one_way);
+    EXPECT_EQ(law_of(laws, "viscous")->shapes.front().columns.size(), 1u);
+    EXPECT_EQ(law_of(laws, "dry")->instead_of, "offset");
+    EXPECT_EQ(law_of(laws, "offset")->instead_of, "dry");
+    const LawShape& constant = law_of(laws, "offset")->shapes.front();
+    EXPECT_EQ(direction > 0 ? constant.largest : constant.least, 0.0);
+    EXPECT_TRUE(std::isinf(direction > 0 ? constant.least : constant.largest));
+  }
+}
+
 TEST(BalanceLaws, HaveNamesOfTheirOwn) {
   const std::vector<std::string> names = balance_law_names();
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
