@@ -297,7 +297,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (const FitResult* const left = unexplained_fit(problem, found, diagnosis, first)) {
     tell(kFollow.from, "looking for what the rest follows");
     const bool is_fitted = diagnosis.is_unknown && unknown_law > 0.5;
-    diagnosis.discrepancies = is_fitted ? smooth.left_by(problem, *left, evidence.law_share) : discrepancies(problem, *left, smooth, evidence.law_share);
+    diagnosis.discrepancies = is_fitted ? smooth.of_residual(problem, *left, evidence.law_share) : discrepancies(problem, *left, smooth, evidence.law_share);
     if (is_fitted && is_nothing_left) remark_below_the_noise(diagnosis);
   }
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");

@@ -400,7 +400,7 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
   traced_ = std::move(own);
 }
 
-std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const FitResult& fit, double law_share) const {
+std::vector<Discrepancy> SmoothTorques::of_residual(const Problem& problem, const FitResult& fit, double law_share) const {
   const auto& [slow, amount, all, functions, common_shapes, courses, enabled, shapes, traced] = *traced_;
   const double count = static_cast<double>(slow.size());
   const Eigen::VectorXd slow_difference = fit.difference(slow);
@@ -514,7 +514,7 @@ bool has_slow_gap(const Problem& problem, const FitResult& fit) {
 
 std::vector<Discrepancy> discrepancies(const Problem& problem, const FitResult& fit, const SmoothTorques& smooth, double law_share) {
   if (!has_slow_gap(problem, fit)) return {};
-  return smooth.left_by(problem, fit, law_share);
+  return smooth.of_residual(problem, fit, law_share);
 }
 
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies) {

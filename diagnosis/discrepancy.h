@@ -61,7 +61,7 @@ class SmoothTorques {
   ~SmoothTorques();
   // Of that fit's residual, or of another one's of the same problem whose machine moves alike; largest evidence first; empty where they take next to nothing away.
   // `law_share`: EvidenceSettings'.
-  std::vector<Discrepancy> left_by(const Problem& problem, const FitResult& fit, double law_share) const;
+  std::vector<Discrepancy> of_residual(const Problem& problem, const FitResult& fit, double law_share) const;
   std::vector<SmoothFunction> functions_of(const std::string& variable) const;
   // What a function does to all differences, by its coefficients in standard deviations of their prior for rho = 1; and with some coefficients the torques themselves, of each record.
   Eigen::MatrixXd columns(const Problem& problem, const SmoothFunction& function) const;
@@ -77,7 +77,7 @@ class SmoothTorques {
 // Whether the fit's slow differences are more than noise.
 bool has_slow_gap(const Problem& problem, const FitResult& fit);
 
-// The discrepancies that are told of a fit's residual: as left_by(), empty also where the fit has no slow gap.
+// The discrepancies that are told of a fit's residual: as of_residual(), empty also where the fit has no slow gap.
 std::vector<Discrepancy> discrepancies(const Problem& problem, const FitResult& fit, const SmoothTorques& smooth, double law_share);
 
 // The names of those that the residual follows, the first one and what cannot be told from it; the constant alone where that is among them; empty: none.

@@ -135,6 +135,15 @@ Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result) {
 
 namespace {
 
+// Whether coordinate `i` is where a motor stands at the beginning of a record on a machine that has moved: moved as far as a parameter is, it leaves
+// the flank on which it runs, and the column is that of a machine that strikes.
+bool is_place_in_motion(const Nuisances& nuisances, std::size_t i, std::size_t nuisance_count) {
+  const std::size_t common = nuisances.common_count(), own = nuisances.per_record();
+  if (i < common || i >= nuisance_count || own == 0) return false;
+  const std::size_t part = (i - common) % own;
+  return part >= nuisances.swing_amounts() && part < nuisances.swing_amounts() + nuisances.offset_groups && nuisances.begin_of((i - common) / own) != RecordBegins::unmoved;
+}
+
 // Steps of difference quotients where columns are known: no longer than what the records leave open, or a law's curvature is
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
@@ -144,6 +153,7 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
     const double open = kStepDeviations * std::sqrt(variance(i));
     const double smallest = i < static_cast<Eigen::Index>(point.nuisance.size()) ? kSmallestNuisanceStep : kSmallestEffectStep;
     if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), smallest, 1.0);
+    if (is_place_in_motion(problem.nuisances, static_cast<std::size_t>(i), point.nuisance.size())) steps(i) *= kFiner;
   }
   return steps;
 }
@@ -380,12 +390,18 @@ void settle_nuisances(Problem& problem, FitResult& result) {
 
 }  // namespace
 
-FitResult nominal_fit(Problem& problem) {
+FitResult fit_at(Problem& problem, Point point) {
   FitResult result;
-  result.point.nuisance.assign(nuisance_count(problem), 0.0);
-  result.difference = differences(problem, result.point);
+  result.difference = differences(problem, point);
   result.mean_square = mean_square(result.difference);
+  result.point = std::move(point);
   return result;
+}
+
+FitResult nominal_fit(Problem& problem) {
+  Point nominal;
+  nominal.nuisance.assign(nuisance_count(problem), 0.0);
+  return fit_at(problem, std::move(nominal));
 }
 
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
@@ -405,13 +421,12 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   try_from_afar(std::nullopt);
   FitResult& best = *best_yet;
   // Parameters that ended at the bounds of their spread may have gone there on the way and not come back.
-  FitResult again;
-  again.point = best.point;
+  Point within = best.point;
   for (std::size_t k = 0; k < problem.nuisances.parameters.size(); ++k) {
-    if (std::fabs(again.point.nuisance[k]) > kAtTheBound) again.point.nuisance[k] = 0.0;
+    if (std::fabs(within.nuisance[k]) > kAtTheBound) within.nuisance[k] = 0.0;
   }
-  if (again.point.nuisance != best.point.nuisance) {
-    again.difference = differences(problem, again.point);
+  if (within.nuisance != best.point.nuisance) {
+    FitResult again = fit_at(problem, std::move(within));
     forget_columns(again);
     settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
@@ -435,17 +450,20 @@ bool all_begin_unmoved(const Problem& problem) {
 
 std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted) {
   if (all_begin_unmoved(problem)) return {};
-  FitResult result;
-  result.point.nuisance = fitted.point.nuisance;
-  std::fill_n(result.point.nuisance.begin(), problem.nuisances.common_count(), 0.0);
-  result.difference = differences(problem, result.point);
+  Point begun;
+  begun.nuisance = fitted.point.nuisance;
+  std::fill_n(begun.nuisance.begin(), problem.nuisances.common_count(), 0.0);
+  FitResult result = fit_at(problem, std::move(begun));
   forget_columns(result);
   result.cost = cost_of(problem, result.point, result.difference);
   const Moves moves = moves_of_beginnings(problem);
   for (int round = 0; round < problem.settings.rounds; ++round) {
     const double before = result.cost;
     // Boom and load answer linearly to how they begin until teeth leave their flank, which a motor does that is moved as far as a parameter is.
-    const Eigen::VectorXd steps = kFiner * steps_at(problem, result.point, result.difference, result.columns);
+    Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+    for (Eigen::Index i = 0; i < steps.size(); ++i) {
+      if (!is_place_in_motion(problem.nuisances, static_cast<std::size_t>(i), result.point.nuisance.size())) steps(i) *= kFiner;
+    }
     renew_columns(problem, result.point, result.difference, steps, moves, result.columns);
     descend(problem, result, problem.settings.law_freedom);
     if (before - result.cost <= problem.settings.settled) break;
@@ -455,10 +473,9 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
 }
 
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
-  FitResult result;
-  result.point = start;
-  hand_over(problem, result.point);
-  result.difference = differences(problem, result.point);
+  Point begun = start;
+  hand_over(problem, begun);
+  FitResult result = fit_at(problem, std::move(begun));
   result.cost = cost_of(problem, result.point, result.difference);
   const auto effect_count = effect_coordinates(problem.catalogue, start.effects).size();
   result.columns.resize(result.difference.size(), nuisance_columns.cols() + effect_count);
@@ -500,29 +517,29 @@ void settle(Problem& problem, FitResult& result, int rounds) {
   }
 }
 
-Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor) {
-  if (leaving.gram.size() == 0) return {leaving.residual_power, result.prior};
+Relaxed relax(const Problem& problem, const FitResult& result, const PowerAbout& power, const MisfitCost& misfit_cost, double floor) {
+  if (power.gram.size() == 0) return {power.residual_power, result.prior};
   const double share = problem.settings.independent_share;
   // The columns of a fit that has not settled promise what is not there: the residual power falls no lower than where it stands.
   const auto residual_power_at = [&](const Eigen::VectorXd& step) {
-    return leaving.residual_power + std::max(0.0, share * (2.0 * leaving.slope.dot(step) + step.dot(leaving.gram * step)));
+    return power.residual_power + std::max(0.0, share * (2.0 * power.slope.dot(step) + step.dot(power.gram * step)));
   };
   const auto cost_at = [&](const Relaxed& relaxed) {
     return misfit_cost(std::max(0.0, relaxed.residual_power - floor)) + relaxed.prior;
   };
-  Relaxed best{leaving.residual_power, result.prior};
+  Relaxed best{power.residual_power, result.prior};
   const double besides = result.prior - prior_cost(problem, result.point);  // what does not go with where the parameters stand
   Point point = result.point, trial;
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(leaving.gram.cols()), trial_step;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(power.gram.cols()), trial_step;
   Relaxed relaxed;
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
     const double weight = share * misfit_cost.slope(std::max(0.0, best.residual_power - floor));
     const PriorRows prior = prior_rows(problem, point);
     const Eigen::MatrixXd axes = step_axes(problem.catalogue, result.point.effects, point.effects);
-    Eigen::VectorXd slope_here = leaving.slope + leaving.gram * step;
+    Eigen::VectorXd slope_here = power.slope + power.gram * step;
     slope_here.tail(axes.rows()) = (axes.transpose() * slope_here.tail(axes.rows())).eval();
-    LocalModel model{weight * turned(leaving.gram, axes), weight * slope_here + prior.value.cwiseProduct(prior.slope)};
+    LocalModel model{weight * turned(power.gram, axes), weight * slope_here + prior.value.cwiseProduct(prior.slope)};
     model.curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
     return model;
   };

@@ -61,7 +61,10 @@ struct FitResult {
   double cost_elsewhere = std::numeric_limits<double>::infinity();  // and from typical shapes
 };
 
-// The nominal machine, before anything is fitted: no columns.
+// A machine as a point has it, before anything is fitted: no columns.
+FitResult fit_at(Problem& problem, Point point);
+
+// The nominal machine, before anything is fitted.
 FitResult nominal_fit(Problem& problem);
 
 // Where the hypotheses are compared: with the nuisances alone fitted, concluded.
@@ -102,12 +105,12 @@ struct Relaxed {
   double residual_power = 0.0, prior = 0.0;
 };
 // By `residual_power`, and how the fit's columns and differences change it: columns' products with each other and with the differences. No products: of a power, not of a motion.
-struct Leaving {
+struct PowerAbout {
   double residual_power = 0.0;
   Eigen::MatrixXd gram;
   Eigen::VectorXd slope;
 };
-Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor);
+Relaxed relax(const Problem& problem, const FitResult& result, const PowerAbout& power, const MisfitCost& misfit_cost, double floor);
 
 // One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was
 // worth little, and so would be another.

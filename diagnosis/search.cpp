@@ -26,7 +26,7 @@ constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
-constexpr double kLeavesMuch = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
+constexpr double kLargeResidual = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -142,6 +142,32 @@ void take_cheaper(std::vector<FitResult>& fits, std::vector<FitResult> others) {
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
+// A fit's machine without one of its effects, where the parameters and the others say, by the fit's own columns, what that one said. Where it is just taken away,
+// the residual is large, counts little, and the descent ends where the parameters have gone to meet it. Nothing of an effect that is nowhere absent.
+std::optional<Point> handed_on(const Problem& problem, const FitResult& from, std::size_t left_out) {
+  const std::vector<common::EffectInstance>& effects = from.point.effects;
+  const std::optional<double>& absent = problem.catalogue.at(effects[left_out].name).parameters[common::kSize].absent;
+  if (!absent || !std::isfinite(*absent)) return {};
+  auto first = static_cast<Eigen::Index>(from.point.nuisance.size());
+  for (std::size_t e = 0; e < left_out; ++e) first += static_cast<Eigen::Index>(effects[e].values.size());
+  const auto count = static_cast<Eigen::Index>(effects[left_out].values.size());
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < from.columns.cols(); ++i) {
+    if (i < first || i >= first + count) kept.push_back(i);
+  }
+  // The coordinate of a size is 0 where the effect is absent.
+  const double size = effect_coordinates(problem.catalogue, {&effects[left_out], 1})(static_cast<Eigen::Index>(common::kSize));
+  const Eigen::VectorXd without = from.difference - size * from.columns.col(first + static_cast<Eigen::Index>(common::kSize));
+  Point start = from.point;
+  start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+  const Eigen::MatrixXd columns = from.columns(Eigen::all, kept);
+  const PriorRows prior = prior_rows(problem, start);
+  const double weight = data_weight(from.difference, problem.settings);
+  Eigen::MatrixXd system = weight * columns.transpose() * columns;
+  system.diagonal() += prior.slope.cwiseAbs2();
+  return moved(problem.catalogue, start, -system.ldlt().solve(weight * columns.transpose() * without + prior.value.cwiseProduct(prior.slope)));
+}
+
 // From the best fit of `effects` effects to those with one less; they take their places where they are cheaper. Parameters alone, where
 // they may be the answer, go on until they settle: their first fit may have stopped at the bounds of their spread.
 void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::size_t effects, std::vector<FitResult>& fits) {
@@ -157,6 +183,11 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(problem, from.columns, again);
     improve(problem, again, false);
+    if (const std::optional<Point> other = handed_on(problem, from, left_out)) {
+      FitResult handed = fit(problem, from.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), *other);
+      settle(problem, handed, kFreshRounds);
+      if (handed.cost < again.cost) again = std::move(handed);
+    }
     if (again.point.effects.empty() && residual_power(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
   });
   take_cheaper(fits, std::move(fewer));
@@ -545,7 +576,7 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
   FitResult from = base;
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
-  if (mean_square(from.difference) < kLeavesMuch && chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
+  if (mean_square(from.difference) < kLargeResidual && chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
   const std::vector<common::EffectInstance> best = best_starts(problem, screening);
   std::vector<common::EffectInstance> starts;  // those of one effect stand together
   for (const common::EffectInstance& start : best) {

@@ -97,10 +97,7 @@ void take_beginnings(Problem& problem, const FitResult& fitted, double most, Fit
 // has not moved.
 FitResult begin_there(Problem& problem, const std::optional<Point>& begun, const FitResult& nominal) {
   if (!begun) return nominal;
-  FitResult there;
-  there.point = *begun;
-  there.difference = differences(problem, there.point);
-  there.mean_square = mean_square(there.difference);
+  FitResult there = fit_at(problem, *begun);
   return there.mean_square < nominal.mean_square ? there : nominal;
 }
 

@@ -71,7 +71,7 @@ Eigen::MatrixXd fast_readings(const std::vector<msgs::Encoder>& encoder, const s
 }
 
 // The residual of the best combination of the columns, by least squares in which what is far off counts less.
-Eigen::VectorXd left_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
+Eigen::VectorXd residual_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(wanted.size()), left = wanted;
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::MatrixXd weighted = weight.asDiagonal() * columns;
@@ -97,7 +97,7 @@ double torque_noise(const std::vector<msgs::Encoder>& encoder, const std::vector
     Eigen::VectorXd commanded(static_cast<Eigen::Index>(torque.size()));
     for (std::size_t n = 0; n < torque.size(); ++n) commanded[static_cast<Eigen::Index>(n)] = torque[n].motor_torque[g];
     if (is_held(commanded)) continue;
-    const double deviation = deviation_of(left_by(fast, some_of(third_difference(commanded), static_cast<Eigen::Index>(kReadings - 1))));
+    const double deviation = deviation_of(residual_of(fast, some_of(third_difference(commanded), static_cast<Eigen::Index>(kReadings - 1))));
     largest = std::max(largest, deviation * deviation / kGain);
   }
   return largest;

@@ -16,7 +16,7 @@ namespace {
 
 // The residual power of a fit, by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's
 // power have the less noise beside it, the more of that power there is: they are not allowed more of it than in the nominal machine.
-Leaving by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count, const std::optional<ControllerLoop>& loop) {
+PowerAbout by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count, const std::optional<ControllerLoop>& loop) {
   const Point rest = without_stochastic(problem.catalogue, result.point);
   const double share = problem.settings.independent_share;
   const double by_loop = loop ? share * loss_by_loop(problem, *loop, rest) : 0.0;
@@ -42,8 +42,8 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
 
 // Hypotheses of the fits and what they are compared by; fits in the order of `found`, that without effects apart.
 struct Compared {
-  std::vector<Leaving> of_fits;
-  Leaving of_nothing;
+  std::vector<PowerAbout> of_fits;
+  PowerAbout of_nothing;
   MisfitCost misfit_cost;
   double floor = 0.0;
   EvidenceSettings evidence;
@@ -74,7 +74,7 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   share_out(problem, laws.size(), [&](std::size_t k) {
     const FitResult& fit = k == 0 ? found.nothing : found.fits[beside[k - 1]];
     const double residual_power = k == 0 ? compared.of_nothing.residual_power : compared.of_fits[beside[k - 1]].residual_power;
-    laws[k] = unknown_laws(problem, fit, residual_power, smooth, smooth.left_by(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
+    laws[k] = unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
   });
   const std::size_t known = candidates.size();
   const double singles = std::max(1.0, static_cast<double>(effect_count)), each = kSmooth / (kVariables * static_cast<double>(SmoothTorques::scales().size()));
@@ -113,8 +113,8 @@ const FitResult* Weighed::answer(const std::vector<FitResult>& fits) const {
 Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& smooth, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled) {
   const std::optional<ControllerLoop> loop = is_controlled ? std::optional(controller_loop(problem)) : std::nullopt;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count, loop);
-  std::vector<Leaving> of_fits(found.fits.size());
+  const PowerAbout of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count, loop);
+  std::vector<PowerAbout> of_fits(found.fits.size());
   share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i], evidence.discrepancy_count, loop); });
   double least = std::min(0.0, of_nothing.residual_power);
   for (std::size_t i = 0; i < found.fits.size(); ++i) {

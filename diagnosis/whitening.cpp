@@ -179,16 +179,16 @@ class NoisePowers {
         high = std::min(end, low + std::max(kCornerBins, low / 4));
         if (high - low < kCornerBins) break;
         // What the bins hold is (white + corner rise) / (1 + corner d) besides what other sensors add, d the rise where the differences see it.
-        double left_over = 0.0, white = 0.0, rise = 0.0, square = 0.0;
+        double residual = 0.0, white = 0.0, rise = 0.0, square = 0.0;
         for (std::size_t k = low; k < high; ++k) {
           const double own_white = accelerometer_[i] * (is_own ? std::norm(response_.tip.acceleration[i][k]) : 1.0), frequency = static_cast<double>(k) * bin_width_;
-          left_over += std::norm(spectrum[k]) - (at(channel, k, shares) - own_white * rising(i, frequency));
+          residual += std::norm(spectrum[k]) - (at(channel, k, shares) - own_white * rising(i, frequency));
           white += own_white;
           rise += own_white / frequency;
           square += std::norm(spectrum[k]) * std::norm(spectrum[k]);
         }
         // Power in a bin of noise deviates by its mean, whose square is half of the mean square.
-        const double most = left_over + kCornerDeviations * std::sqrt(0.5 * square);
+        const double most = residual + kCornerDeviations * std::sqrt(0.5 * square);
         const double per_corner = rise - most * rise_in_differences_;
         if (rise > kTellsARise * rise_in_differences_ * white && per_corner > 0.0) corner_[i] = std::min(corner_[i], std::max(0.0, (most - white) / per_corner));
       }

@@ -116,10 +116,10 @@ TEST(SmoothTorques, OfADragAreLeftByWhatIsNoDrag) {
   const auto left_with = [&](const common::EffectInstance& effect) {
     Point start = drag.fit.point;
     start.effects = {effect};
-    const std::vector<Discrepancy> left = smooth.left_by(drag.problem, fit(drag.problem, drag.fit.columns, start), law_share);
+    const std::vector<Discrepancy> left = smooth.of_residual(drag.problem, fit(drag.problem, drag.fit.columns, start), law_share);
     return left.empty() ? 0.0 : left.front().evidence;
   };
-  const double of_nothing = smooth.left_by(drag.problem, drag.fit, law_share).front().evidence;
+  const double of_nothing = smooth.of_residual(drag.problem, drag.fit, law_share).front().evidence;
   EXPECT_GT(of_nothing, 2.0 * kFollowsAsWell);
   EXPECT_LT(left_with({"air_drag", {300.0}}), kFollowsAsWell);
   EXPECT_GT(left_with({"boom_stiffness", {0.9}}), 0.5 * of_nothing);
@@ -130,7 +130,7 @@ TEST(SmoothTorques, ShowBelowTheNoise) {
   const double law_share = EvidenceSettings{}.law_share;
   const auto evidence_of = [&](Missing& missing) {
     EXPECT_FALSE(has_slow_gap(missing.problem, missing.fit));
-    const std::vector<Discrepancy> left = SmoothTorques(missing.problem, missing.fit).left_by(missing.problem, missing.fit, law_share);
+    const std::vector<Discrepancy> left = SmoothTorques(missing.problem, missing.fit).of_residual(missing.problem, missing.fit, law_share);
     return left.empty() ? 0.0 : left.front().evidence;
   };
   Missing sound({}, no_torque);

@@ -88,13 +88,7 @@ TEST(ImpactsOfCause, AreThoseOfALoadThatSwingsWhenTheRecordBegins) {
   EXPECT_LT(begun->mean_square, 0.1);
   EXPECT_EQ(problem.whitening[0].window, window);
   EXPECT_TRUE(problem.records[0].impacts_of_cause.empty());
-  const auto there = [&] {
-    FitResult start;
-    start.point = begun->point;
-    start.difference = differences(problem, start.point);
-    start.mean_square = mean_square(start.difference);
-    return start;
-  };
+  const auto there = [&] { return fit_at(problem, begun->point); };
   const double before = there().mean_square;
   EXPECT_GT(before, 1.0) << "its impacts must outweigh the rest for the test to say anything";
   EXPECT_GT(take_out_impacts(problem, admitted, record.whitening, begun->point), 0.0);
