@@ -9,8 +9,9 @@
 namespace slewlab::sim {
 
 // Of one group's number.
+inline double uneven_factor(double share, double mean, int group, int group_count) { return (1.0 + mean) * (1.0 + share * group_side(group, group_count)); }
 inline double uneven_factor(const common::EffectValues& values, int group, int group_count) {
-  return (1.0 + values["mean"]) * (1.0 + values["share"] * group_side(group, group_count));
+  return uneven_factor(values["share"], values["mean"], group, group_count);
 }
 
 inline common::EffectParameter uneven_share_parameter() {
