@@ -124,24 +124,25 @@ double limit_of(const std::vector<double>& values) {
   return stands > 1 ? largest : std::numeric_limits<double>::infinity();
 }
 
-// Whether a series stands at this size, of either sign, for `least` values in a row outside [begin, end): a level to which its controller comes back, as that
-// of a group that presses while another one drives.
-bool stands_elsewhere(const std::vector<double>& values, std::size_t begin, std::size_t end, std::size_t least) {
-  const double size = std::fabs(values[begin]);
-  std::size_t length = 0;
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    const bool is_there = (n < begin || n >= end) && std::fabs(std::fabs(values[n]) - size) <= (1.0 - kAtLimit) * size;
-    length = is_there ? length + 1 : 0;
-    if (length >= least) return true;
+// Whether some series stands at this size, of either sign, for `least` values in a row outside [begin, end): a level to which the controller comes back, as that
+// at which a group presses while another one drives.
+bool stands_elsewhere(const std::vector<const std::vector<double>*>& commands, double size, std::size_t begin, std::size_t end, std::size_t least) {
+  for (const std::vector<double>* values : commands) {
+    std::size_t length = 0;
+    for (std::size_t n = 0; n < values->size(); ++n) {
+      const bool is_there = (n < begin || n >= end) && std::fabs(std::fabs((*values)[n]) - size) <= (1.0 - kAtLimit) * size;
+      length = is_there ? length + 1 : 0;
+      if (length >= least) return true;
+    }
   }
   return false;
 }
 
 // A command that stands still while what is needed, slowly, changes by a share of its range; but where it stands at a limit, the rated torque among them, or at a
-// level of its controller. What
+// level of its controller, which `commands` have. What
 // is needed is looked at inside the stand, where nothing of the time before and after is smoothed into it.
-void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
-                      double share, const AdmissionSettings& settings) {
+void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<const std::vector<double>*>& commands,
+                      const std::vector<double>& needed, double share, const AdmissionSettings& settings) {
   const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   const auto limit = static_cast<std::size_t>(settings.frozen_time / record.step);
   if (recorded.size() <= 2 * slow) return;
@@ -153,7 +154,7 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
     if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
     const double torque = std::fabs(recorded[begin]);
     const bool is_limited = torque >= kAtLimit * torque_limit || std::fabs(torque - settings.rated_torque) <= (1.0 - kAtLimit) * settings.rated_torque;
-    const auto is_level = [&] { return stands_elsewhere(recorded, begin, n, static_cast<std::size_t>(std::ceil(kLevelStands * static_cast<double>(limit)))); };
+    const auto is_level = [&] { return stands_elsewhere(commands, torque, begin, n, static_cast<std::size_t>(std::ceil(kLevelStands * static_cast<double>(limit)))); };
     if (n - begin > limit && recorded[begin] != 0.0 && !is_limited && !is_level()) {
       const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
       if (*high - *low > share * (*highest - *lowest)) {
@@ -316,10 +317,12 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Mach
                                   record.name, g + 1, of_group.slope, of_group.correlation));
   }
   // All groups together, and each alone, where two cranes may share the torque otherwise.
-  check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy, settings);
+  check_not_frozen(record, "the torque command, mean of the groups,", recorded, {&recorded}, needed, kTurnsBy, settings);
+  std::vector<const std::vector<double>*> commands;
+  for (int g = 0; g < record.group_count; ++g) commands.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
   for (int g = 0; g < record.group_count && record.group_count > 1; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], needed_of[i], kOneTurnsBy, settings);
+    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], commands, needed_of[i], kOneTurnsBy, settings);
   }
 }
 

@@ -184,17 +184,21 @@ TEST_F(Admission, RefusesOneGroupsFrozenCommand) {
   EXPECT_NE(refusal().find("the torque command of group 1 is frozen"), std::string::npos) << refusal();
 }
 
-// Play compensation lets one group press with what the other one drives against: a level to which it comes back, at the end of this log as in its middle. What stands
-// once is frozen.
+// Play compensation lets one group press with what the other one drives against: a level to which it comes back, of this group or the other one. What stands once is
+// frozen.
 TEST_F(Admission, TakesAGroupThatPressesAtItsLevel) {
   const double level = log_.torque[3500].motor_torque[0];
-  const auto hold = [&](std::size_t first, std::size_t last, double torque) {
-    for (std::size_t n = first; n < last; ++n) log_.torque[n].motor_torque[0] = torque;
+  const auto hold = [&](std::size_t group, std::size_t first, std::size_t last, double torque) {
+    for (std::size_t n = first; n < last; ++n) log_.torque[n].motor_torque[group] = torque;
   };
-  hold(3500, log_.torque.size() - 1000, level);
+  hold(0, 3500, log_.torque.size() - 1000, level);
   EXPECT_NE(refusal().find("the torque command of group 1 is frozen"), std::string::npos) << refusal();
-  hold(1000, 2000, -level);
-  EXPECT_EQ(refusal(), "");
+  const msgs::RunLog stands_once = log_;
+  for (const std::size_t group : {0u, 1u}) {
+    log_ = stands_once;
+    hold(group, 1000, 2000, -level);
+    EXPECT_EQ(refusal(), "") << group;
+  }
 }
 
 // A controller that stands at its torque limit for seconds, there and back, says what it does. Here with edges as steep as its rate allows.
