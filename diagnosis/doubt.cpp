@@ -16,12 +16,17 @@ namespace {
 
 constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters' residual is noise alone and no law was fitted
 constexpr double kDoubtful = 0.4;           // share of its probability that a doubted cause loses: it still leads, and is not sure
+constexpr double kHiding = 1e-3;         // of machines with parameters that are not of their make's, or with something that hides in them; learned
+constexpr double kMostTaken = 0.9;       // of a cause, by that: it may be one of that make all the same
 constexpr double kOtherLawTemper = 5.0;     // chosen: by which the evidence among laws that are another one than the catalogue's counts less
 // How sure a lead is at most, by how often it was right on machines that no score uses (docs/history/diagnosis.md). Where one effect is the answer,
 // parameters or that effect hid a second one so often (kHiddenBeside). Where the residual of the answer is more than the noise can be off by, it was
 // another one so often (kAboveTheNoise). Where parameters alone have such a residual, something small is so likely (kSmallBesideNothing).
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
+
+// Of a cause's probability, that something else hides in its parameters, of which one machine in 1 / `chance` has such: the odds of the two.
+double share_that_hides(double chance) { return std::clamp(kHiding / (kHiding + chance), kDoubtful, kMostTaken); }
 
 }  // namespace
 
@@ -49,7 +54,7 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
     const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
     const bool is_nothing = cause.effects.empty();
     if (is_nothing && is_nominal_enough) continue;  // with every parameter where the file has it
-    if (is_far_off || cause.prior_chance < kFarTogether) take_away(kDoubtful, is_nothing_left && !is_nothing, cause, ranking);
+    if (is_far_off || cause.prior_chance < kFarTogether) take_away(share_that_hides(cause.prior_chance), is_nothing_left && !is_nothing, cause, ranking);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.

@@ -508,19 +508,37 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
   }
 }
 
-// A law that holds others of the catalogue whole may have taken their place: the leading single effects that are such, as their parts, where none of these is left out.
-void take_apart(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
-  std::vector<FitResult> apart;
-  std::size_t leaders = 0;
-  for (const FitResult& single : fits) {
-    if (single.point.effects.size() != 1 || leaders++ == kPairLeaders) continue;
-    const std::vector<common::EffectInstance> parts = common::parts_of(problem.catalogue, single.point.effects.front());
-    const auto is_left_out = [&](const common::EffectInstance& part) { return !screening.names.contains(part.name); };
-    if (parts.empty() || std::any_of(parts.begin(), parts.end(), is_left_out)) continue;
-    FitResult& pair = apart.emplace_back(fit(problem, single.columns.leftCols(static_cast<Eigen::Index>(single.point.nuisance.size())), {single.point.nuisance, parts}));
-    settle(problem, pair, kFreshRounds);
+// The points of a fit with its `whole` effect, which holds others of the catalogue whole, as its parts: of a single effect all of them, beside a second one each alone.
+// None where one of them is left out.
+std::vector<Point> apart(const Problem& problem, const Screening& screening, const Point& point, std::size_t whole) {
+  const std::vector<common::EffectInstance> parts = common::parts_of(problem.catalogue, point.effects[whole]);
+  const auto is_left_out = [&](const common::EffectInstance& part) { return !screening.names.contains(part.name); };
+  if (parts.empty() || std::any_of(parts.begin(), parts.end(), is_left_out)) return {};
+  if (point.effects.size() == 1) return {{point.nuisance, parts}};
+  std::vector<Point> points;
+  for (const common::EffectInstance& part : parts) {
+    if (has_effect(point.effects, part.name)) continue;
+    points.push_back(point);
+    points.back().effects[whole] = part;
   }
-  take_cheaper(fits, std::move(apart));
+  return points;
+}
+
+// A law that holds others of the catalogue whole may have taken their place: the leading single effects that are such, and those in the best pair, as their parts.
+void take_apart(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
+  std::vector<FitResult> found;
+  std::size_t singles = 0, pairs = 0;
+  for (const FitResult& one : fits) {
+    const bool is_single = one.point.effects.size() == 1;
+    if (is_single ? singles++ >= kPairLeaders : one.point.effects.size() != 2 || pairs++ >= 1) continue;
+    for (std::size_t whole = 0; whole < one.point.effects.size(); ++whole) {
+      for (const Point& start : apart(problem, screening, one.point, whole)) {
+        FitResult& other = found.emplace_back(fit(problem, one.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), start));
+        settle(problem, other, kFreshRounds);
+      }
+    }
+  }
+  take_cheaper(fits, std::move(found));
 }
 
 // Of two effects that are the same motion the one that was fitted stands for the other as well.

@@ -15,12 +15,15 @@ constexpr double kUnknownPrior = 0.02;   // of a law outside the catalogue, agai
 constexpr double kRatioDeviation = 0.1;  // of the logarithm of the ratio of two laws' residuals: learned on simulated axes, docs/axis.md
 constexpr double kMedianShare = 0.2;     // of the likeliest model's probability, that the model of all likely laws has at least
 
-// ln of the prior of a set of laws. Every machine has friction, many a constant torque as well; the others share what one of them has.
+// ln of the prior of a set of laws. Every machine has friction, many a constant torque as well; the others share what one of them has. Where a spring rests is no law beside it.
 double log_prior(const std::vector<BalanceLaw>& laws, const LawChoice& choice) {
   const auto others = static_cast<double>(std::count_if(laws.begin(), laws.end(), [](const BalanceLaw& law) { return !law.is_ordinary; }));
+  const auto name_of = [&](const auto& law) -> const std::string& { return laws[static_cast<std::size_t>(law.first)].name; };
+  const bool has_spring = std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) { return name_of(law) == "spring"; });
   double sum = 0.0;
   for (const auto& [law, shape] : choice.laws) {
     const BalanceLaw& chosen = laws[static_cast<std::size_t>(law)];
+    if (has_spring && chosen.name == "offset") continue;
     sum += std::log(!chosen.is_ordinary ? kRarePrior / others : chosen.family == LawFamily::friction ? kFrictionPrior : kLoadPrior);
   }
   return sum;

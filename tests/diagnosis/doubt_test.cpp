@@ -137,6 +137,16 @@ TEST_F(Doubt, OfParametersThatNoMachineHas) {
   with_parameter_at(0.5 * kFarOff, 1.0);
   doubt(false, false);
   EXPECT_EQ(ranking.unknown, 0.0);
+  // The odds of one machine in a thousand in which something hides: as likely as the parameters of one in a thousand, and nearly sure of one in a million.
+  const auto taken = [&](double prior_chance) {
+    with_parameter_at(0.5 * kFarOff, prior_chance);
+    doubt(false, false);
+    return ranking.unknown;
+  };
+  EXPECT_NEAR(taken(1e-3), 0.5, 1e-12);
+  EXPECT_NEAR(taken(5e-4), 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(taken(1e-6), 0.9, 1e-12);
+  EXPECT_NEAR(taken(0.9 * kFarTogether), 0.4, 1e-12);
   with_parameter_at(-2.0 * kFarOff, 1.0);
   doubt(true, false);
   EXPECT_EQ(ranking.unknown, 0.0);
