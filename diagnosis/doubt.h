@@ -29,7 +29,7 @@ void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
 // An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval goes beyond its
 // range, or that the records do not tell from where the effect is absent: they do not say that it is there. Nor is one beside which a parameter, or
 // all parameters together, are farther off than machines of one make differ: something else may hide in them, by the odds of that against a machine that
-// has such parameters, p_h / (p_h + chance), 0.4 to 0.9. The latter holds of nothing missing as
+// has such parameters, p_h / (p_h + chance), 0.4 to 0.9 (0.4 beside a stochastic effect, whose draws take the parameters along). The latter holds of nothing missing as
 // well, unless the residual of the nominal machine is no more than noise (`is_nominal_enough`). What is taken from an effect goes to nothing missing
 // where the residual of parameters alone is noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
 void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,

@@ -147,6 +147,14 @@ TEST_F(Doubt, OfParametersThatNoMachineHas) {
   EXPECT_NEAR(taken(5e-4), 2.0 / 3.0, 1e-12);
   EXPECT_NEAR(taken(1e-6), 0.9, 1e-12);
   EXPECT_NEAR(taken(0.9 * kFarTogether), 0.4, 1e-12);
+  // The draws of a stochastic effect take the parameters along.
+  common::EffectCatalogue with_draws = catalogue();
+  with_draws.effects[1].stochastic.emplace();
+  ranking = {{cause_of({"a"}, 0.5), cause_of({"b"}, 0.5)}, 0.0};
+  for (Cause& cause : ranking.causes) cause.prior_chance = 1e-6;
+  doubt_what_no_machine_has(with_draws, nuisances, false, false, ranking, remarks);
+  EXPECT_NEAR(of(0), 0.1 * 0.5, 1e-12);
+  EXPECT_NEAR(of(1), 0.6 * 0.5, 1e-12);
   with_parameter_at(-2.0 * kFarOff, 1.0);
   doubt(true, false);
   EXPECT_EQ(ranking.unknown, 0.0);
