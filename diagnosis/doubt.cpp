@@ -9,6 +9,7 @@
 #include "diagnosis/coordinates.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/stochastic.h"
+#include "diagnosis/validate.h"
 
 namespace slewlab::diagnosis {
 
@@ -55,8 +56,7 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
     const bool is_nothing = cause.effects.empty();
     if (is_nothing && is_nominal_enough) continue;  // with every parameter where the file has it
     // What the draws of a stochastic effect do no law says: they take the parameters along.
-    const bool is_drawn = std::any_of(cause.point.effects.begin(), cause.point.effects.end(), [&](const common::EffectInstance& effect) { return is_stochastic(catalogue.at(effect.name)); });
-    const double share = is_drawn ? kDoubtful : share_that_hides(cause.prior_chance);
+    const double share = stochastic_part(catalogue, cause.point).empty() ? share_that_hides(cause.prior_chance) : kDoubtful;
     if (is_far_off || cause.prior_chance < kFarTogether) take_away(share, is_nothing_left && !is_nothing, cause, ranking);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);

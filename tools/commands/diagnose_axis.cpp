@@ -124,6 +124,7 @@ std::vector<diagnosis::LawProbability> members_of(const AxisDiagnosis& found, di
 
 nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis, const Words& words) {
   const auto& validation = found.validation;
+  const InTheirPlace instead = in_their_place(found.answer);
   nlohmann::json json{{"kind", "axis"},
                       {"gap", found.outcome != AxisOutcome::nothing_missing},
                       {"is_stated", found.outcome == AxisOutcome::nothing_missing || found.outcome == AxisOutcome::stated},
@@ -136,8 +137,8 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"speed_unit", words.speed},
                       {"nominal_inertia", found.nominal_inertia},
                       {"probability_unknown", found.answer.probability_unknown},
-                      {"probability_unknown_instead", in_their_place(found.answer).probability},
-                      {"unknown_instead", in_their_place(found.answer).words},
+                      {"probability_unknown_instead", instead.probability},
+                      {"unknown_instead", instead.words},
                       {"explained_share", found.answer.explained},
                       {"unexplained_share", found.unexplained},
                       {"has_unknown_remainder", found.has_remainder},

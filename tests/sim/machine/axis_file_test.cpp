@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <numbers>
 
 #include "sim/analysis/eigen.h"
 #include "sim/machine/description.h"
-#include "tests/msgs/temporary_folder.h"
+#include "tests/sim/machine/written_machine.h"
 
 namespace slewlab::sim {
 namespace {
@@ -38,29 +37,13 @@ rated_force: {value: 500, unit: N, source: test}
 top_speed: {value: 0.3, unit: m/s, source: test}
 )";
 
-MachineFile load(const std::string& text) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.path() / "axis.yaml";
-  std::ofstream(path) << text;
-  return load_machine_file(path);
-}
-
-std::string complaint(const std::string& text) {
-  try {
-    load(text);
-  } catch (const common::InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 const Parameter* find(const MachineDescription& description, std::string_view name) {
   const auto found = std::find_if(description.parameters.begin(), description.parameters.end(), [&](const Parameter& p) { return p.name == name; });
   return found == description.parameters.end() ? nullptr : &*found;
 }
 
 TEST(AxisFile, ARotaryAxisIsReadInItsUnits) {
-  const MachineFile file = load(kRotary);
+  const MachineFile file = load_written(kRotary);
   EXPECT_EQ(file.kind, MachineKind::axis);
   EXPECT_FALSE(file.axis.is_linear);
   EXPECT_TRUE(file.parameters.house.has_encoder);
@@ -73,7 +56,7 @@ TEST(AxisFile, ARotaryAxisIsReadInItsUnits) {
 }
 
 TEST(AxisFile, DescriptionSpeaksOfTheAxisAndOfNothingElse) {
-  const MachineDescription description = describe(load(kRotary));
+  const MachineDescription description = describe(load_written(kRotary));
   EXPECT_EQ(description.kind, "axis");
   for (const Sensor& sensor : description.sensors) {
     for (const char* word : {"house", "slew", "boom", "tip"}) EXPECT_EQ(sensor.name.find(word), std::string::npos) << sensor.name;
@@ -90,7 +73,7 @@ TEST(AxisFile, DescriptionSpeaksOfTheAxisAndOfNothingElse) {
 }
 
 TEST(AxisFile, ALinearAxisWithoutAMotorThatTurnsIsInMetresAndNewtons) {
-  const MachineFile file = load(kLinear);
+  const MachineFile file = load_written(kLinear);
   EXPECT_TRUE(file.parameters.drive.is_rigid);
   const MachineDescription description = describe(file);
   ASSERT_EQ(description.sensors.size(), 2u);
@@ -105,13 +88,13 @@ TEST(AxisFile, ALinearAxisWithoutAMotorThatTurnsIsInMetresAndNewtons) {
 TEST(AxisFile, TravelPerTurnIsTheRatioOfALinearAxis) {
   std::string text = kLinear;
   text.replace(text.find("rated_force: {value: 500, unit: N"), 33, "travel_per_turn: {value: 10, unit: mm, source: test}\nrated_torque: {value: 2, unit: N m");
-  const MachineDescription description = describe(load(text));
+  const MachineDescription description = describe(load_written(text));
   EXPECT_NEAR(description.scales.ratio, 2.0 * std::numbers::pi / 0.01, 1e-9);  // [rad/m]
   EXPECT_EQ(description.efforts[0].unit, common::Unit::newton_metre);
 }
 
 TEST(AxisFile, OneInertiaHasNoModeThatSwings) {
-  const MachineFile file = load(kLinear);
+  const MachineFile file = load_written(kLinear);
   EXPECT_TRUE(structural_modes(file.parameters, 5).empty());
   const std::vector<Mode> modes = crane_modes(file.parameters);
   ASSERT_EQ(modes.size(), 1u);
@@ -120,22 +103,22 @@ TEST(AxisFile, OneInertiaHasNoModeThatSwings) {
 
 // Two inertias on a spring: sqrt(k (1/J1 + 1/J2)) / 2 pi.
 TEST(AxisFile, AnElasticAxisHasTheModeOfTwoInertias) {
-  const std::vector<double> modes = structural_modes(load(kRotary).parameters, 5);
+  const std::vector<double> modes = structural_modes(load_written(kRotary).parameters, 5);
   ASSERT_EQ(modes.size(), 1u);
   EXPECT_NEAR(modes[0], std::sqrt(2e5 * (1.0 / 5.0 + 1.0 / 12.0)) / (2.0 * std::numbers::pi), 1e-6 * modes[0]);
 }
 
 TEST(AxisFile, WhatDoesNotFitIsExplained) {
   std::string text = kLinear;
-  EXPECT_NE(complaint(text + "inertia: {value: 1, unit: kg m^2, source: test}\n").find("'mass' in kg: the axis is linear"), std::string::npos);
-  EXPECT_NE(complaint(text + "house: {}\n").find("house"), std::string::npos);
-  EXPECT_NE(complaint(text + "load: {gravity: {value: 1, unit: N m, source: test}}\n").find("load.constant in N"), std::string::npos);
-  EXPECT_NE(complaint(text + "transmission:\n  stiffness: {value: 1, unit: kN/m, source: test}\n  damping_ratio: {value: 1, unit: \"%\", source: test}\n").find("'motor_mass'"), std::string::npos);
-  EXPECT_NE(complaint("kind: lift\n").find("crane or axis"), std::string::npos);
+  EXPECT_NE(complaint_about(text + "inertia: {value: 1, unit: kg m^2, source: test}\n").find("'mass' in kg: the axis is linear"), std::string::npos);
+  EXPECT_NE(complaint_about(text + "house: {}\n").find("house"), std::string::npos);
+  EXPECT_NE(complaint_about(text + "load: {gravity: {value: 1, unit: N m, source: test}}\n").find("load.constant in N"), std::string::npos);
+  EXPECT_NE(complaint_about(text + "transmission:\n  stiffness: {value: 1, unit: kN/m, source: test}\n  damping_ratio: {value: 1, unit: \"%\", source: test}\n").find("'motor_mass'"), std::string::npos);
+  EXPECT_NE(complaint_about("kind: lift\n").find("crane or axis"), std::string::npos);
   std::string spread = kLinear;
   spread.replace(spread.find("unit: kg,"), 9, "unit: kg, spread: wide,");
-  EXPECT_NE(complaint(spread).find("such as 10 %"), std::string::npos);
-  EXPECT_EQ(complaint(kLinear), "");
+  EXPECT_NE(complaint_about(spread).find("such as 10 %"), std::string::npos);
+  EXPECT_EQ(complaint_about(kLinear), "");
 }
 
 TEST(AxisFile, WhatNoAxisHasIsRefused) {
@@ -155,7 +138,7 @@ TEST(AxisFile, WhatNoAxisHasIsRefused) {
   for (const auto& slip : kSlips) {
     std::string text = kRotary;
     text.replace(text.find(slip.from), std::string(slip.from).size(), slip.to);
-    const std::string found = complaint(text);
+    const std::string found = complaint_about(text);
     EXPECT_NE(found.find(slip.key), std::string::npos) << slip.to << ": " << found;
     EXPECT_NE(found.find(slip.expected), std::string::npos) << slip.to << ": " << found;
     EXPECT_NE(found.find("axis.yaml:"), std::string::npos) << found;
@@ -167,7 +150,7 @@ TEST(AxisFile, AnAxisOfAnySizeIsRead) {
   for (const char* inertia : {"1e-6", "1e6"}) {
     std::string text = kRotary;
     text.replace(text.find("inertia: {value: 12,"), 20, std::string("inertia: {value: ") + inertia + ',');
-    EXPECT_EQ(complaint(text), "") << inertia;
+    EXPECT_EQ(complaint_about(text), "") << inertia;
   }
 }
 

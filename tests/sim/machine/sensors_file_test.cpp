@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "sim/machine/description.h"
-#include "tests/msgs/temporary_folder.h"
+#include "tests/sim/machine/written_machine.h"
 
 namespace slewlab::sim {
 namespace {
@@ -21,21 +20,7 @@ rated_torque: {value: 0.6, unit: N m, source: test}
 top_speed: {value: 0.3, unit: m/s, source: test}
 )";
 
-MachineDescription described_as(const std::string& text) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.path() / "machine.yaml";
-  std::ofstream(path) << text;
-  return describe(load_machine_file(path));
-}
-
-std::string refusal_of(const std::string& text) {
-  try {
-    described_as(text);
-  } catch (const common::InputError& error) {
-    return error.what();
-  }
-  return "";
-}
+MachineDescription described_as(const std::string& text) { return describe(load_written(text)); }
 
 Sensor sensor_of(const MachineDescription& machine, std::string_view name) {
   const auto found = std::find_if(machine.sensors.begin(), machine.sensors.end(), [&](const Sensor& each) { return each.name == name; });
@@ -71,9 +56,9 @@ TEST(SensorsFile, OrdinarySpeedNoiseIsAShareOfTheMotorsTopSpeed) {
 }
 
 TEST(SensorsFile, WhatAMachineDoesNotHaveIsRefused) {
-  EXPECT_NE(refusal_of(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0.02, unit: g, source: test}\n").find("sensors.acceleration_noise"), std::string::npos);
-  EXPECT_NE(refusal_of(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0, unit: m/s^2, source: test}\n").find("acceleration_noise': found 0 m"), std::string::npos);
-  EXPECT_NE(refusal_of(kLinearAxis + "sensors:\n  acceleration_noise: {value: 0.02, unit: m/s^2, source: test}\n").find("load_position_noise"), std::string::npos);
+  EXPECT_NE(complaint_about(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0.02, unit: g, source: test}\n").find("sensors.acceleration_noise"), std::string::npos);
+  EXPECT_NE(complaint_about(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0, unit: m/s^2, source: test}\n").find("acceleration_noise': found 0 m"), std::string::npos);
+  EXPECT_NE(complaint_about(kLinearAxis + "sensors:\n  acceleration_noise: {value: 0.02, unit: m/s^2, source: test}\n").find("load_position_noise"), std::string::npos);
 }
 
 }  // namespace
