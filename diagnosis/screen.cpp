@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "common/unit.h"
 #include "diagnosis/stochastic.h"
@@ -207,6 +208,29 @@ Point with_amount(const common::EffectCatalogue& catalogue, Point point, const S
   }
   point.effects.push_back(std::move(effect));
   return point;
+}
+
+Projector projector_of(const Problem& problem, const FitResult& fitted) {
+  return Projector(fitted.columns, prior_rows(problem, fitted.point), data_weight(fitted.difference, problem.settings));
+}
+
+FitResult common_ground(Problem& problem, const FitResult& fitted, const Point& other) {
+  FitResult ground;
+  ground.point.nuisance = fitted.point.nuisance;
+  const auto nuisances = static_cast<Eigen::Index>(fitted.point.nuisance.size());
+  std::vector<Eigen::Index> kept(fitted.point.nuisance.size());
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+  Eigen::Index column = nuisances;
+  for (const common::EffectInstance& effect : fitted.point.effects) {
+    const bool is_common = has_effect(other.effects, effect.name);
+    if (is_common) ground.point.effects.push_back(effect);
+    for (std::size_t p = 0; p < effect.values.size(); ++p, ++column) {
+      if (is_common) kept.push_back(column);
+    }
+  }
+  ground.columns = fitted.columns(Eigen::all, kept);
+  ground.difference = differences(problem, ground.point);
+  return ground;
 }
 
 void try_amount(const common::EffectCatalogue& catalogue, const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest) {

@@ -75,6 +75,12 @@ class Projector {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
+// Of what is fitted there.
+Projector projector_of(const Problem& problem, const FitResult& fitted);
+
+// The fit's machine with the effects that another one has too, and their columns.
+FitResult common_ground(Problem& problem, const FitResult& fitted, const Point& other);
+
 // Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and the sum of squares of the residual. A
 // negative multiple only where the effect's size turns sign.
 void try_amount(const common::EffectCatalogue& catalogue, const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);

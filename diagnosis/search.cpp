@@ -11,6 +11,7 @@
 #include <string>
 
 #include "diagnosis/recurrence.h"
+#include "diagnosis/spell_times.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/stochastic_fit.h"
 
@@ -193,30 +194,6 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   take_cheaper(fits, std::move(fewer));
 }
 
-Projector projector_of(const Problem& problem, const FitResult& fitted) {
-  return Projector(fitted.columns, prior_rows(problem, fitted.point), data_weight(fitted.difference, problem.settings));
-}
-
-// The best fit's machine with the effects that another fit has too, and their columns.
-FitResult common_ground(Problem& problem, const FitResult& best, const Point& other) {
-  FitResult ground;
-  ground.point.nuisance = best.point.nuisance;
-  const auto nuisances = static_cast<Eigen::Index>(best.point.nuisance.size());
-  std::vector<Eigen::Index> kept(best.point.nuisance.size());
-  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
-  Eigen::Index column = nuisances;
-  for (const common::EffectInstance& effect : best.point.effects) {
-    const bool is_common = has_effect(other.effects, effect.name);
-    if (is_common) ground.point.effects.push_back(effect);
-    for (std::size_t p = 0; p < effect.values.size(); ++p, ++column) {
-      if (is_common) kept.push_back(column);
-    }
-  }
-  ground.columns = best.columns(Eigen::all, kept);
-  ground.difference = differences(problem, ground.point);
-  return ground;
-}
-
 // Where a fit's effects begin on that ground, and the sum of squares of their residual there, linearly.
 struct OnGround {
   Point start;
@@ -286,6 +263,13 @@ void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits)
   if (!start_from_best_machine(problem, others)) return;
   settle_best(problem, others);
   if (mean_square(others.front().difference) <= kNoiseAlone) fits = std::move(others);
+}
+
+// Where the leader's residual is more than noise a law that lasts for a spell may only have been fitted at another time.
+void find_other_times(Problem& problem, std::vector<FitResult>& fits) {
+  if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
+  share_out(problem, fits.size(), [&](std::size_t i) { look_for_other_times(problem, fits[i]); });
+  settle_best(problem, fits);
 }
 
 // Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
@@ -650,6 +634,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   converging(kStartOver.to, "settling single effects");
   settle_best(problem, fits);
   find_what_began_too_far_off(problem, fits);
+  find_other_times(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
   if (shown == Shown::judged_elsewhere) {
