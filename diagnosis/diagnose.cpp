@@ -143,6 +143,15 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   return whitening;
 }
 
+// Whether commands may have come between the rows of a record.
+bool may_hide_commands(std::span<const Record> records, const std::optional<controller::ControllerSettings>& controller) {
+  constexpr double kAsFast = 0.9;  // of the record's period, that the controller's may be below it by rounding
+  return std::any_of(records.begin(), records.end(), [&](const Record& record) {
+    const bool is_cycle_known = controller && controller->period >= kAsFast * record.encoder_period;
+    return !is_cycle_known && changes_with_every_message(record);
+  });
+}
+
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
 // know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
@@ -171,6 +180,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   }
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
+  doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);
   if (controller && !diagnosis.has_controller) {
     leave_room_for_the_controller(of_the_controller.effects.size(), problem.catalogue.effects.size() + of_the_controller.effects.size(), evidence, ranking);

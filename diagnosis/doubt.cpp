@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "diagnosis/coordinates.h"
 #include "diagnosis/evidence.h"
@@ -99,6 +100,24 @@ void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const Ev
                                     100.0 * (cause.explained - alone->explained), name_of(rest), name_of(rest)));
     }
     hand_on(kDoubtful, is_drawn, false, cause, ranking);
+  }
+}
+
+void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may_hide_commands, Ranking& ranking, std::vector<std::string>& remarks) {
+  if (!may_hide_commands) return;
+  const auto is_chance_on_the_wire = [&](const std::string& name) {
+    const common::EffectAbout* about = catalogue.find(name);
+    return about != nullptr && is_stochastic(*about) && about->subsystem == common::Subsystem::wire;
+  };
+  bool is_told = false;
+  for (Cause& cause : ranking.causes) {
+    const auto found = std::find_if(cause.effects.begin(), cause.effects.end(), is_chance_on_the_wire);
+    if (found == cause.effects.end()) continue;
+    if (!std::exchange(is_told, true)) {
+      remarks.push_back(fmt::format("{} is not sure: the commands change with every row, so the controller may be faster than the recorder, and commands between the rows do the same; record every command, or give the controller",
+                                    *found));
+    }
+    hand_on(kDoubtful, is_chance_on_the_wire, false, cause, ranking);
   }
 }
 

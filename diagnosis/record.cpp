@@ -192,6 +192,15 @@ double mean_torque(const Record& record, std::size_t n) {
 
 double creeping_speed(const AdmissionSettings& settings) { return kCreeping * settings.turn / settings.time; }
 
+bool changes_with_every_message(const Record& record) {
+  constexpr double kNearlyEvery = 0.6;  // chosen: a controller that stands holds its commands, one whose cycle has two rows or more changes half of them at most
+  std::size_t changes = 0;
+  for (std::size_t n = 1; n < record.torque.size(); ++n) {
+    if (record.torque[n].motor_torque != record.torque[n - 1].motor_torque) ++changes;
+  }
+  return record.torque.size() > 1 && static_cast<double>(changes) > kNearlyEvery * static_cast<double>(record.torque.size() - 1);
+}
+
 std::size_t reading_stride(const Record& record) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
 }

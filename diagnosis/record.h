@@ -104,6 +104,9 @@ struct Record {
 // [Nm per motor] over the groups, at a grid point: what of their torques turns the axis.
 double mean_torque(const Record& record, std::size_t n);
 
+// Whether the commands change from nearly every message to the next: then nobody knows whether the recorder wrote all of them, and the controller's cycle does not show.
+bool changes_with_every_message(const Record& record);
+
 // [grid points] from one reading of the encoders to the next, at least one.
 std::size_t reading_stride(const Record& record);
 

@@ -265,11 +265,13 @@ void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits)
   if (mean_square(others.front().difference) <= kNoiseAlone) fits = std::move(others);
 }
 
-// Where the leader's residual is more than noise a law that lasts for a spell may only have been fitted at another time.
+// Where no fit's residual is noise alone a law that lasts for a spell may only have been fitted at another time.
 void find_other_times(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
-  share_out(problem, fits.size(), [&](std::size_t i) { look_for_other_times(problem, fits[i]); });
-  settle_best(problem, fits);
+  share_out(problem, fits.size(), [&](std::size_t i) {
+    if (fits[i].point.effects.size() == 1) look_for_other_times(problem, fits[i]);
+  });
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
 // Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
@@ -634,7 +636,6 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   converging(kStartOver.to, "settling single effects");
   settle_best(problem, fits);
   find_what_began_too_far_off(problem, fits);
-  find_other_times(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
   if (shown == Shown::judged_elsewhere) {
@@ -670,6 +671,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
+  find_other_times(problem, fits);
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
   if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
   try_recurring(problem, screening, fits);

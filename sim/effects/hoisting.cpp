@@ -5,7 +5,7 @@
 // a drive that ramps linearly (rounding 0) begins with a step of it, which strikes the boom; with 1 the speed is v (3 x^2 - 2 x^3). In the absolute
 // displacement y_1 of the load the small-angle equation is M y_1'' = -T (y_1 - y_tip) / L(t) with the tension
 // T = M (g + s''): the law of a moving rope (sim/model/load.h), which a scenario's hoisting obeys too.
-// L is kept at 2 m or more. Negative speed lowers.
+// L is kept at a thirtieth of L_0 or more. Negative speed lowers.
 // Source: textbook; thesis 5 names hoisting as future work.
 #include "sim/effects/effect.h"
 

@@ -8,8 +8,7 @@ namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
 
-}  // namespace
-
+// Of a ramp from 0 to 1, `since` its begin: the way [s] and the acceleration [1/s].
 double ramp_way(double since, double ramp_time) {
   if (since <= 0.0) return 0.0;
   if (since >= ramp_time) return since - 0.5 * ramp_time;
@@ -22,6 +21,8 @@ double ramp_rise(double since, double ramp_time) {
   const double share = since / ramp_time;
   return 6.0 * share * (1.0 - share) / ramp_time;
 }
+
+}  // namespace
 
 MotionProfile::MotionProfile(const MotionRates& rates, const std::vector<MotionRequest>& requests) {
   for (const MotionRequest& request : requests) {

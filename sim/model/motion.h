@@ -12,10 +12,6 @@
 
 namespace slewlab::sim {
 
-// Of a ramp from 0 to 1, `since` its begin: the way [s] and the acceleration [1/s].
-double ramp_way(double since, double ramp_time);
-double ramp_rise(double since, double ramp_time);
-
 // What a drive can do.
 struct MotionRates {
   double top_speed = 0.0;     // [m/s] or [rad/s]; 0 where the crane has no such motion

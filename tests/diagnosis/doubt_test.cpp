@@ -245,5 +245,26 @@ TEST_F(Doubt, OfTheLead) {
   }
 }
 
+// Commands between the rows of a record are lost to it, as commands are that the wire loses.
+TEST_F(Doubt, OfWhatTheWireLosesByChanceWhereCommandsMayLieBetweenTheRows) {
+  common::EffectCatalogue wired = catalogue();
+  wired.effects[0].subsystem = common::Subsystem::wire;
+  wired.effects[0].stochastic = common::Stochastic{};
+  const auto doubt_chance = [&](bool may_hide_commands) {
+    ranking = {{cause_of({"a"}, 0.6), cause_of({"a", "b"}, 0.2), cause_of({"b"}, 0.1)}, 0.1};
+    remarks.clear();
+    doubt_chance_on_the_wire(wired, may_hide_commands, ranking, remarks);
+  };
+  doubt_chance(false);
+  EXPECT_EQ(of(0), 0.6);
+  EXPECT_TRUE(remarks.empty());
+  doubt_chance(true);
+  EXPECT_NEAR(of(0), 0.36, 1e-12);  // a doubted cause loses 0.4
+  EXPECT_NEAR(of(1), 0.12, 1e-12);
+  EXPECT_NEAR(of(2) + ranking.unknown, 0.52, 1e-12);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("faster than the recorder"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis

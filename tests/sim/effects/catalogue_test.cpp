@@ -199,7 +199,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
         "bearing_viscous", "bearing_stribeck", "bearing_rising", "bearing_uneven", "bearing_warming", "torque_offset", "tilted_axis", "pedestal_flexibility", "heel", "wind",
         "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
     common::EffectInstance instance = common::typical_instance(thesis_effect(name));
-    if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0, 1.0};  // ramps of 1 s: at a whole step
+    if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0, 1.0, 1.0};  // ramps of 1 s: at a whole step, without a step of acceleration
     for (std::size_t p = 0; p < instance.values.size(); ++p) {
       if (find_effect(name)->about.parameters[p].name == "give") instance.values[p] = 0.0;  // below
     }

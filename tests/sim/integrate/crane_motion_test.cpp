@@ -113,7 +113,7 @@ TEST(CraneMotion, ASlowHoistKeepsTheAdiabaticInvariant) {
 TEST(CraneMotion, HoistsAsTheEffectDoes) {
   CraneParameters crane = thesis_crane();
   crane.motions = motions();  // 0.5 m/s within 1 s
-  MachineSettings with_effect{.crane = crane, .effects = {{"hoisting", {0.5, 2.0, 20.0, 1.0}}}, .step = kStep};
+  MachineSettings with_effect{.crane = crane, .effects = {{"hoisting", {0.5, 2.0, 20.0, 1.0, 1.0}}}, .step = kStep};
   MachineSettings with_move{.crane = crane, .effects = {}, .step = kStep};
   with_move.motion_requests.hoisting = {{nanoseconds(2.0), 1.0}, {nanoseconds(21.0), 0.0}};
   Machine effect = make_machine(with_effect), move = make_machine(with_move);
