@@ -12,6 +12,28 @@ namespace {
 double tolerance(double multiple) { return std::min(0.1, 1e-3 * std::max(1.0, multiple)); }
 
 constexpr double kFitting = 0.99;  // of the changes; a value now and then may have been mended
+// [steps] by which a multiple may be missed of counts that were written to a few digits. Of changes that are multiples of nothing an eighth is that near to one.
+constexpr double kWritten = 0.06;
+constexpr std::size_t kMultiples = 3;  // at least: what moves steadily changes by much the same all the time, and was not counted
+
+// The step that nearly all changes are multiples of, each but for the digits to which it was written: known the better the larger the multiples are that it was found in. 0: none.
+double step_of_written(std::vector<double> changes) {
+  std::sort(changes.begin(), changes.end());
+  double step = changes.front(), products = 0.0, squares = 0.0;
+  std::size_t fitting = 0;
+  std::set<double> multiples;
+  for (const double change : changes) {
+    const double multiple = std::round(change / step);
+    if (std::fabs(change / step - multiple) >= kWritten) continue;
+    ++fitting;
+    multiples.insert(multiple);
+    products += change * multiple;
+    squares += multiple * multiple;
+    step = products / squares;
+  }
+  const bool is_step = multiples.size() >= kMultiples && static_cast<double>(fitting) > kFitting * static_cast<double>(changes.size());
+  return is_step ? step : 0.0;
+}
 
 }  // namespace
 
@@ -29,7 +51,10 @@ Rounding find_rounding(const std::vector<double>& values, std::size_t least_chan
     const double multiple = change / step;
     return std::fabs(multiple - std::round(multiple)) < tolerance(multiple);
   });
-  if (static_cast<double>(fitting) <= kFitting * static_cast<double>(changes.size())) return {};
+  if (static_cast<double>(fitting) <= kFitting * static_cast<double>(changes.size())) {
+    step = step_of_written(changes);
+    if (step == 0.0) return {};
+  }
   std::set<long long> levels;
   for (std::size_t n = 0; n < values.size() && levels.size() < least_levels; ++n) levels.insert(std::llround((values[n] - values.front()) / step));
   if (levels.size() < least_levels) return {};

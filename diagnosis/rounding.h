@@ -13,6 +13,7 @@ struct Rounding {
 };
 
 // As far as so many changes show it. A signal that has few levels in all, as a test's that switches between some, was not rounded to them.
+// Counts that were written to a few digits are multiples of their step but for those digits, up to some hundredths of the step.
 Rounding find_rounding(const std::vector<double>& values, std::size_t least_changes, std::size_t least_levels);
 
 // Of the error.

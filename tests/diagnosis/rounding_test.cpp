@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -47,6 +48,24 @@ TEST(Rounding, OfASignalThatSwitchesBetweenFewLevelsThereIsNone) {
   for (int n = 0; n < 5000; ++n) values.push_back(40.0 * (n / 10 % 4));
   EXPECT_EQ(find_rounding(values, 100, 32).step, 0.0);
   EXPECT_EQ(find_rounding(values, 100, 2).step, 40.0);
+}
+
+// 16384 counts a turn to 5 decimals: 0.00038 and 0.00039 rad, of a shaft that stands, crawls and runs.
+TEST(Rounding, IsFoundInCountsThatWereWrittenToAFewDigits) {
+  constexpr double kCount = 2.0 * 3.14159265358979 / 16384.0, kDigit = 1e-5;  // [rad]
+  std::vector<double> values;
+  for (int n = 0; n < 5000; ++n) {
+    const double angle = 20.0 * std::pow(std::max(0, n - 1000) / 4000.0, 3);
+    values.push_back(kDigit * std::round(kCount * std::round(angle / kCount) / kDigit));
+  }
+  EXPECT_NEAR(find_rounding(values, 100, 2).step / kCount, 1.0, 1e-3);
+}
+
+// By nearly the same amount every time, which a count of that size would do as well.
+TEST(Rounding, IsNotFoundInWhatMovesSteadily) {
+  std::vector<double> values;
+  for (int n = 0; n < 5000; ++n) values.push_back(0.01 * n + 1e-4 * std::sin(0.5 * n));
+  EXPECT_EQ(find_rounding(values, 100, 2).step, 0.0);
 }
 
 }  // namespace
