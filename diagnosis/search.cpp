@@ -671,6 +671,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
+  going_back(0.45, "looking for when effects act");
   find_other_times(problem, fits);
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
   if (settings.joint_pairs > 0) take_apart(problem, screening, fits);

@@ -17,7 +17,7 @@ constexpr double kSlow = 2.0;         // deviations of a detail above its typica
 // Of the characteristic time, earlier and later: less than a quarter of the lowest mode's period apart, and then where it may be that strikes nothing.
 constexpr std::array<double, 12> kSteps{0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 3.0, 4.5, 6.0, 8.0};
 constexpr std::size_t kFitted = 3;    // of the times
-constexpr int kLooks = 6;             // at most
+constexpr int kLooks = 3;             // at most
 constexpr int kRounds = 3;            // of a fit, at most
 constexpr double kMuch = 6.0;         // fall of the cost for which it is looked again
 
