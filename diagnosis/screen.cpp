@@ -23,14 +23,6 @@ constexpr double kNearlyTried = 0.1;            // of the size: nearer than that
 constexpr int kSecondAngles = 16;               // half round, between which the better one of two angles is looked for
 constexpr double kSameAngle = 1e-9;             // [rad] rounding
 
-// Indices of the parameters that say when a spell is.
-struct SpellPlaces {
-  std::size_t begin, duration, fade;
-};
-SpellPlaces places_of(const common::EffectAbout& about) {
-  return {index_of(about, about.spell->begin), index_of(about, about.spell->duration), index_of(about, about.spell->fade)};
-}
-
 // The angles of an effect that are looked for all round.
 std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
   std::vector<std::size_t> angles;
@@ -107,6 +99,10 @@ void try_amount(const common::EffectCatalogue& catalogue, double square, double 
 }
 
 }  // namespace
+
+SpellPlaces places_of(const common::EffectAbout& about) {
+  return {index_of(about, about.spell->begin), index_of(about, about.spell->duration), index_of(about, about.spell->fade)};
+}
 
 Screened between_beginnings(const common::EffectCatalogue& catalogue, const std::vector<const Screened*>& endless, const Eigen::VectorXd& target) {
   const common::EffectAbout& about = catalogue.at(endless.front()->start.name);

@@ -22,6 +22,12 @@ inline constexpr double kLargestAmount = 20.0;         // of the screened size t
 inline constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
 inline constexpr std::size_t kStartsPerEffect = 2;     // that are refined at most
 
+// Indices of the parameters that say when a spell is, of an effect that lasts for one.
+struct SpellPlaces {
+  std::size_t begin, duration, fade;
+};
+SpellPlaces places_of(const common::EffectAbout& about);
+
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
 // other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
 // quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the

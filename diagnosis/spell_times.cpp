@@ -43,13 +43,13 @@ bool is_within(const common::EffectAbout& about, const common::EffectInstance& e
 
 // Those that promise most, each at another time.
 std::vector<const Screened*> best_times(const common::EffectAbout& about, const std::vector<Screened>& tried) {
-  const std::size_t begin = index_of(about, about.spell->begin), duration = index_of(about, about.spell->duration);
+  const SpellPlaces spell = places_of(about);
   std::vector<const Screened*> ranked, best;
   for (const Screened& one : tried) ranked.push_back(&one);
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   for (const Screened* one : ranked) {
     const auto is_then = [&](const Screened* other) {
-      return one->start.values[begin] == other->start.values[begin] && one->start.values[duration] == other->start.values[duration];
+      return one->start.values[spell.begin] == other->start.values[spell.begin] && one->start.values[spell.duration] == other->start.values[spell.duration];
     };
     if (std::none_of(best.begin(), best.end(), is_then)) best.push_back(one);
     if (best.size() == kFitted) break;
@@ -60,17 +60,17 @@ std::vector<const Screened*> best_times(const common::EffectAbout& about, const 
 }  // namespace
 
 std::vector<common::EffectInstance> other_times(const common::EffectAbout& about, const common::EffectInstance& effect, double time) {
-  const std::size_t begin = index_of(about, about.spell->begin), duration = index_of(about, about.spell->duration);
+  const SpellPlaces spell = places_of(about);
   std::vector<common::EffectInstance> times;
   for (const common::EffectInstance& as_it_is : with_details(about, effect)) {
     for (const double step : kSteps) {
       for (const double by : {-step * time, step * time}) {
         common::EffectInstance other_begin = as_it_is, other_end = as_it_is;
-        other_begin.values[begin] += by;
-        other_begin.values[duration] -= by;
-        other_end.values[duration] += by;
+        other_begin.values[spell.begin] += by;
+        other_begin.values[spell.duration] -= by;
+        other_end.values[spell.duration] += by;
         for (const common::EffectInstance& one : {other_begin, other_end}) {
-          if (is_within(about, one, begin) && is_within(about, one, duration)) times.push_back(one);
+          if (is_within(about, one, spell.begin) && is_within(about, one, spell.duration)) times.push_back(one);
         }
       }
     }
@@ -79,10 +79,9 @@ std::vector<common::EffectInstance> other_times(const common::EffectAbout& about
 }
 
 std::vector<common::EffectInstance> all_times(const common::EffectAbout& about, double record_time) {
-  const std::size_t begin = index_of(about, about.spell->begin), duration = index_of(about, about.spell->duration);
+  const SpellPlaces spell = places_of(about);
   const common::EffectParameter& size = about.parameters[common::kSize];
   const double absent = size.absent.value_or(0.0), part = record_time / kParts;
-  const std::size_t fade = index_of(about, about.spell->fade);
   // With ramps too slow to strike the structure, which goes by parts of a second.
   common::EffectInstance slow = common::typical_instance(about);
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
@@ -95,10 +94,10 @@ std::vector<common::EffectInstance> all_times(const common::EffectAbout& about, 
       for (const double share : kSizes) {
         for (const double sign : {1.0, -1.0}) {
           common::EffectInstance one = slow;
-          one.values[begin] = first * part;
-          one.values[duration] = (last - first) * part;
+          one.values[spell.begin] = first * part;
+          one.values[spell.duration] = (last - first) * part;
           one.values[common::kSize] = std::clamp(absent + sign * share * (size.typical - absent), size.lower, size.upper);
-          if (is_within(about, one, begin) && one.values[duration] >= 2.0 * slow.values[fade]) times.push_back(std::move(one));
+          if (is_within(about, one, spell.begin) && one.values[spell.duration] >= 2.0 * slow.values[spell.fade]) times.push_back(std::move(one));
         }
       }
     }

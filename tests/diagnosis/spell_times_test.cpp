@@ -88,7 +88,7 @@ TEST(SpellTimes, AreFoundFromAnotherValley) {
 // Nothing to look for.
 TEST(SpellTimes, OfAnEffectWithoutASpellAreLeftAlone) {
   BenchProblem problem;
-  problem.add(make_record(simulated_log({.crane = bench().crane}, bench().controller, kSlowly, kLongDuration, 7, kPeriod), "a", bench().admission));
+  problem.add(make_record(simulated_log({.crane = bench().crane, .effects = {}}, bench().controller, kSlowly, kLongDuration, 7, kPeriod), "a", bench().admission));
   FitResult fitted = fit_at(problem, {std::vector<double>(nuisance_count(problem), 0.0), {common::typical_instance(problem.catalogue.at("heel"))}, 0});
   fitted.cost = 3.0;
   look_for_other_times(problem, fitted);
