@@ -488,8 +488,22 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
   return result;
 }
 
+FitResult fit_from(Problem& problem, Point start, int rounds) {
+  FitResult result = fit_at(problem, std::move(start));
+  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
+  result.cost = cost_of(problem, result.point, result.difference);
+  settle(problem, result, rounds);
+  return result;
+}
+
 FitResult fit_again(Problem& problem, const FitResult& fitted) {
   return fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(fitted.point.nuisance.size())), fitted.point);
+}
+
+void renew_columns(Problem& problem, FitResult& result) {
+  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+  renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
+  take_effect_columns(problem, result.point, result.difference, steps, result.columns);
 }
 
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result) {

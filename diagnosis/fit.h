@@ -81,8 +81,14 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
 // effect stands for (EffectAbout::stands_for) stay nominal.
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start);
 
+// From a point of which no column is known, so many rounds with fresh ones at most.
+FitResult fit_from(Problem& problem, Point start, int rounds);
+
 // The same from where another fit stands, with its nuisance columns: on a nominal machine that has changed since.
 FitResult fit_again(Problem& problem, const FitResult& fitted);
+
+// Fresh columns, nuisances' and effects', where a fit stands.
+void renew_columns(Problem& problem, FitResult& result);
 
 // Goes on with the nuisance columns of another fit, where that has any.
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result);

@@ -30,4 +30,10 @@ ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen:
 // z* V^-1 z where the machine makes nowhere more of the noise than the nominal one.
 double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double discrepancy_count);
 
+// What the noise of the machine at the point alone would leave of differences as the problem divides them: the mean of V on its diagonal.
+double mean_square_of_noise(const Problem& problem, const Point& point);
+
+// K^-1 z, K K* = V of the machine at the point.
+Eigen::VectorXd divided_by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference);
+
 }  // namespace slewlab::diagnosis

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "diagnosis/own_noise.h"
 #include "diagnosis/stochastic.h"
 #include "sim/integrate/batch.h"
 #include "sim/machine/effect_scales.h"
@@ -215,6 +216,11 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
            std::span(results).subspan(first, count), first_row[r]);
     count_time(begun);
   });
+  if (problem.is_by_own_noise) {
+    share_out(problem, points.size(), [&](std::size_t i) {
+      if (made[i] && results[i].allFinite()) results[i] = divided_by_own_noise(problem, points[i], results[i]);
+    });
+  }
   for (Eigen::VectorXd& result : results) {
     // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
     if (!result.allFinite()) result.setConstant(kVeryFarOff);

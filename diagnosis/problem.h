@@ -123,6 +123,7 @@ struct Problem {
   std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
   mutable SimulationStock stock;
   const AddedPower* added_power = nullptr;         // by whose power the differences are divided
+  bool is_by_own_noise = false;                    // whether each point's differences are divided by what the noise is in its own machine (own_noise.h), at several times the cost
   std::function<bool()> is_stopped = [] { return false; };  // asked before every simulation: where true, unwind with Interrupted
 };
 

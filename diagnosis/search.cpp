@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "diagnosis/own_noise_fit.h"
 #include "diagnosis/recurrence.h"
 #include "diagnosis/spell_times.h"
 #include "diagnosis/stochastic.h"
@@ -679,6 +680,8 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });
+  going_back(0.9, "fitting by what the noise is in each machine");
+  fit_by_own_noise(problem, fits);
   FitResult& nothing = found.nothing;
   nothing = base;
   const auto without_effects =

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "diagnosis/admit.h"
+#include "diagnosis/own_noise_fit.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/prediction.h"
 
@@ -245,6 +246,7 @@ HeldOut HeldOutData::fit(const Point& answer) {
   Point start = answer;
   if (start.nuisance.empty()) start.nuisance.assign(nuisance_count(*fitted_), 0.0);
   else start.nuisance = without_held_out(std::move(start.nuisance));
+  const UnderOwnNoise under_own_noise(*fitted_, makes_other_noise(*fitted_, start));
   FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
   settle(*fitted_, result, kHeldOutRounds);
   held.point = result.point;
@@ -280,6 +282,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
   ValidationError error;
   error.differences = static_cast<double>(difference_count(*predicted_));
   if (stochastic.empty()) {
+    const UnderOwnNoise under_own_noise(*predicted_, makes_other_noise(*predicted_, there));
     const Predicted predicted = predicted_from(*predicted_, there, fitted.open, fitted.of_all);
     error.residual_ratio = mean_square(predicted.difference);
     error.cost = share * predicted.difference.squaredNorm() + predicted.prior_cost;

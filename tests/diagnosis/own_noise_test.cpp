@@ -67,6 +67,26 @@ TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
   }
 }
 
+// One way by the covariance and one by its root: the same squares. What noise alone leaves as the problem divides it is as many times what the true machine leaves as the mean squares there are, within a
+// scatter of four deviations.
+TEST(OwnNoise, DividesAsItsCovarianceHasIt) {
+  Standing problem;
+  const double of_truth = differences(problem, Point{}).squaredNorm();
+  for (const common::EffectInstance& effect : {common::EffectInstance{"boom_damping", {8.0}}, common::EffectInstance{"boom_stiffness", {0.85}}}) {
+    Point point;
+    point.effects = {effect};
+    const Eigen::VectorXd difference = differences(problem, point);
+    const auto count = static_cast<double>(difference.size());
+    EXPECT_NEAR(mean_square_of_noise(problem, point) / (difference.squaredNorm() / of_truth), 1.0, 4.0 * std::sqrt(2.0 / count)) << effect.name;
+    const Eigen::VectorXd divided = divided_by_own_noise(problem, point, difference);
+    EXPECT_NEAR(divided.squaredNorm(), by_own_noise(problem, point, difference, {}, 1.0).square, 1e-9 * divided.squaredNorm()) << effect.name;
+    problem.is_by_own_noise = true;
+    EXPECT_EQ(differences(problem, point), divided) << effect.name;
+    problem.is_by_own_noise = false;
+  }
+  EXPECT_NEAR(mean_square_of_noise(problem, Point{}), 1.0, 1e-9);
+}
+
 // A force that acts while the machine runs and is not linear, as dry friction, changes nothing, nor does play, whose teeth lie on their flanks; a linear force does.
 TEST(OwnNoise, KnowsWhatIsLinear) {
   Standing problem;
