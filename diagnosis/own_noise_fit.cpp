@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "diagnosis/own_noise.h"
+#include "diagnosis/screen.h"
 #include "diagnosis/validate.h"
 
 namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr std::size_t kSingles = 2, kPairs = 1;  // that are fitted by their own noise; chosen
-constexpr int kRoundsEach = 12;                  // at most, from each start; chosen
-constexpr double kOffTheCentre = 1.5;            // deviations of its prior, by which a shape is moved; chosen
+constexpr int kRoundsEach = 4, kMoreRounds = 10;  // at most, from each start, and of the best of them; chosen
+constexpr double kOffTheCentre = 1.5;              // deviations of its prior, by which a shape is moved; chosen
 
 bool is_another(double noise, double than) { return std::fabs(noise - than) > kNoise; }
 
@@ -54,6 +54,7 @@ void fit_one(Problem& problem, FitResult& fitted) {
       FitResult one = fit_from(problem, std::move(start), kRoundsEach);
       if (!best || one.cost < best->cost) best = std::move(one);
     }
+    settle(problem, *best, kMoreRounds);
     conclude(problem, *best);
   }
   fitted = std::move(*best);
@@ -66,11 +67,13 @@ void fit_one(Problem& problem, FitResult& fitted) {
 bool makes_other_noise(const Problem& problem, const Point& point) { return is_another(mean_square_of_noise(problem, point), 1.0); }
 
 void fit_by_own_noise(Problem& problem, std::vector<FitResult>& fits) {
-  std::size_t singles = 0, pairs = 0;
+  const auto is_motion = [&](const FitResult& one) { return !one.point.effects.empty() && stochastic_part(problem.catalogue, one.point).empty(); };
+  const auto best = std::find_if(fits.begin(), fits.end(), is_motion);
+  if (best == fits.end()) return;
+  const std::vector<common::EffectInstance> leading = best->point.effects;
+  const auto is_part = [&](const FitResult& one) { return one.point.effects.size() == 1 && has_effect(leading, one.point.effects.front().name); };
   for (FitResult& fitted : fits) {
-    if (!stochastic_part(problem.catalogue, fitted.point).empty()) continue;
-    const std::size_t effects = fitted.point.effects.size();
-    if (effects == 1 ? singles++ < kSingles : effects == 2 && pairs++ < kPairs) fit_one(problem, fitted);
+    if (&fitted == &*best || (leading.size() > 1 && is_motion(fitted) && is_part(fitted))) fit_one(problem, fitted);
   }
   std::stable_sort(fits.begin(), fits.end(), [](const FitResult& a, const FitResult& b) { return a.cost < b.cost; });
 }

@@ -30,7 +30,7 @@ class UnderOwnNoise {
   Problem& problem_;
 };
 
-// The cheapest fits of one effect and of two, none of them stochastic. They come back concluded, with cost, mean square and deviations by their own noise; differences and columns as the problem divides them.
+// The cheapest fit that has no stochastic effect and, where it has several effects, those of each of them alone. They come back concluded, with cost, mean square and deviations by their own noise; differences and columns as the problem divides them.
 void fit_by_own_noise(Problem& problem, std::vector<FitResult>& fits);
 
 }  // namespace slewlab::diagnosis
