@@ -9,6 +9,7 @@
 #include "diagnosis/own_noise.h"
 #include "diagnosis/screen.h"
 #include "diagnosis/validate.h"
+#include "sim/model/cannot_be_built.h"
 
 namespace slewlab::diagnosis {
 
@@ -19,13 +20,23 @@ constexpr double kOffTheCentre = 1.5;              // deviations of its prior, b
 
 bool is_another(double noise, double than) { return std::fabs(noise - than) > kNoise; }
 
+// Nothing of a machine that is not there, because its boom buckles.
+std::optional<double> noise_of(const Problem& problem, const Point& point) {
+  try {
+    return mean_square_of_noise(problem, point);
+  } catch (const sim::CannotBeBuilt&) {
+    return {};
+  }
+}
+
 // With nominal parameters: its effects as they are, and with each of the shapes that change the noise moved to either side of its centre. None where neither changes it.
 std::vector<Point> starts_of(const Problem& problem, const FitResult& fitted) {
   Point nominal = fitted.point;
   std::fill(nominal.nuisance.begin(), nominal.nuisance.end(), 0.0);
-  const double noise = mean_square_of_noise(problem, nominal);
-  bool is_other_noise = is_another(noise, 1.0);
+  const std::optional<double> noise = noise_of(problem, nominal);
   std::vector<Point> starts;
+  if (!noise) return starts;
+  bool is_other_noise = is_another(*noise, 1.0);
   for (std::size_t e = 0; e < nominal.effects.size(); ++e) {
     const std::vector<common::EffectParameter>& parameters = problem.catalogue.at(nominal.effects[e].name).parameters;
     for (std::size_t p = 0; p < parameters.size(); ++p) {
@@ -33,7 +44,8 @@ std::vector<Point> starts_of(const Problem& problem, const FitResult& fitted) {
       for (const double coordinate : {-kOffTheCentre, kOffTheCentre}) {
         Point start = nominal;
         start.effects[e].values[p] = value_at(parameters[p], coordinate);
-        if (!is_another(mean_square_of_noise(problem, start), noise)) continue;
+        const std::optional<double> there = noise_of(problem, start);
+        if (!there || !is_another(*there, *noise)) continue;
         is_other_noise = true;
         starts.push_back(std::move(start));
       }
@@ -64,7 +76,10 @@ void fit_one(Problem& problem, FitResult& fitted) {
 
 }  // namespace
 
-bool makes_other_noise(const Problem& problem, const Point& point) { return is_another(mean_square_of_noise(problem, point), 1.0); }
+bool makes_other_noise(const Problem& problem, const Point& point) {
+  const std::optional<double> noise = noise_of(problem, point);
+  return noise && is_another(*noise, 1.0);
+}
 
 void fit_by_own_noise(Problem& problem, std::vector<FitResult>& fits) {
   const auto is_motion = [&](const FitResult& one) { return !one.point.effects.empty() && stochastic_part(problem.catalogue, one.point).empty(); };

@@ -313,7 +313,9 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
 }
 
 double HeldOutData::missing_torque(const HeldOut& fitted) const {
-  const Point there = predicted_from(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), fitted.open, fitted.of_all).point;
+  const Point begun = without_stochastic(predicted_->catalogue, at_held_out(fitted.point));
+  const UnderOwnNoise under_own_noise(*predicted_, makes_other_noise(*predicted_, begun));
+  const Point there = predicted_from(*predicted_, begun, fitted.open, fitted.of_all).point;
   const Shadow follower = shadow_at(*predicted_, there, 0);
   const std::vector<double>& window = predicted_->whitening.front().window;
   const int groups = predicted_->records.front().group_count;

@@ -70,6 +70,12 @@ TEST(OwnNoiseFit, LeavesWhatHasTheNominalMachinesNoise) {
   fit_by_own_noise(admitted.problem, fits);
   EXPECT_EQ(fits.front().point.effects.front().values, before.point.effects.front().values);
   EXPECT_EQ(fits.front().cost, before.cost);
+  // A boom that buckles makes no noise at all.
+  Problem& problem = admitted.problem;
+  problem.nominal.crane.boom.youngs_modulus *= 1e-3;  // whose Euler load is beyond 4 MN no more
+  EXPECT_FALSE(makes_other_noise(problem, admitted.at({{"compression_softening", {4e6}}})));
+  fits.front().point = admitted.at({{"compression_softening", {4e6}}});
+  EXPECT_NO_THROW(fit_by_own_noise(problem, fits));
 }
 
 }  // namespace

@@ -48,11 +48,12 @@ TEST(OwnNoise, IsOneInTheNominalMachine) {
   EXPECT_LT((own.gram - columns.transpose() * columns).cwiseAbs().maxCoeff(), near);
   EXPECT_LT((own.slope - columns.transpose() * difference).cwiseAbs().maxCoeff(), near);
   EXPECT_NEAR(square_by_less_noise(problem, {}, difference, 1.0), difference.squaredNorm(), near);
+  EXPECT_NEAR(mean_square_of_noise(problem, Point{}), 1.0, 1e-9);
 }
 
 // Nothing but noise is in the record. The residuals of a boom that is damped eight times as much, and of one on a softer ring, are another noise than
 // the nominal machine's, without these booms being right. By their own covariance their residuals are as large as the true machine's, within what the
-// mean of six times 3600 squares scatters by, four deviations.
+// mean of six times 3600 squares scatters by, four deviations; and as the problem divides them they are as many times the true machine's as it is told. One way by the covariance, one by its root.
 TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
   Standing problem;
   const double of_truth = differences(problem, Point{}).squaredNorm();
@@ -64,27 +65,13 @@ TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
     const double scatter = 4.0 * std::sqrt(2.0 / count);
     EXPECT_NEAR(by_own_noise(problem, point, difference, {}, 1.0).square / count, of_truth / count, scatter) << effect.name;
     EXPECT_GT(std::fabs(difference.squaredNorm() - of_truth) / count, 2.0 * scatter) << effect.name << ": else nothing is shown";
-  }
-}
-
-// One way by the covariance and one by its root: the same squares. What noise alone leaves as the problem divides it is as many times what the true machine leaves as the mean squares there are, within a
-// scatter of four deviations.
-TEST(OwnNoise, DividesAsItsCovarianceHasIt) {
-  Standing problem;
-  const double of_truth = differences(problem, Point{}).squaredNorm();
-  for (const common::EffectInstance& effect : {common::EffectInstance{"boom_damping", {8.0}}, common::EffectInstance{"boom_stiffness", {0.85}}}) {
-    Point point;
-    point.effects = {effect};
-    const Eigen::VectorXd difference = differences(problem, point);
-    const auto count = static_cast<double>(difference.size());
-    EXPECT_NEAR(mean_square_of_noise(problem, point) / (difference.squaredNorm() / of_truth), 1.0, 4.0 * std::sqrt(2.0 / count)) << effect.name;
+    EXPECT_NEAR(mean_square_of_noise(problem, point) / (difference.squaredNorm() / of_truth), 1.0, scatter) << effect.name;
     const Eigen::VectorXd divided = divided_by_own_noise(problem, point, difference);
     EXPECT_NEAR(divided.squaredNorm(), by_own_noise(problem, point, difference, {}, 1.0).square, 1e-9 * divided.squaredNorm()) << effect.name;
     problem.is_by_own_noise = true;
     EXPECT_EQ(differences(problem, point), divided) << effect.name;
     problem.is_by_own_noise = false;
   }
-  EXPECT_NEAR(mean_square_of_noise(problem, Point{}), 1.0, 1e-9);
 }
 
 // A force that acts while the machine runs and is not linear, as dry friction, changes nothing, nor does play, whose teeth lie on their flanks; a linear force does.
