@@ -1,7 +1,7 @@
 // Prediction of data that were not fitted. The last record, or of a single one its second half, is held out, and in its turn the first one (half). A
 // hypothesis is fitted to the rest, and judged by its residual on the parts held out:
 //
-//   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
+//   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only, by what the noise is in its own machine (own_noise_fit.h)
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
 //
 // against the nominal machine and against parameters alone. Of a hypothesis with stochastic effects the ratio is that of the mean residual of its
