@@ -378,8 +378,8 @@ void improve_until_idle(Problem& problem, FitResult& result, int rounds, double 
 }
 
 // Nothing is known of the columns: the first steps.
-void forget_columns(FitResult& result) {
-  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()));
+void forget_columns(const Problem& problem, FitResult& result) {
+  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
 }
 
 // From where it stands, with the differences there.
@@ -410,7 +410,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   const auto try_from_afar = [&](std::optional<double> times) {
     if (best_yet && mean_square(best_yet->difference) <= 1.0) return;
     FitResult one = nominal;
-    forget_columns(one);
+    forget_columns(problem, one);
     if (times) settle_from_afar(problem, one, *times, problem.settings.rounds);
     settle_nuisances(problem, one);
     if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
@@ -427,7 +427,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   if (within.nuisance != best.point.nuisance) {
     FitResult again = fit_at(problem, std::move(within));
-    forget_columns(again);
+    forget_columns(problem, again);
     settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
   }
@@ -454,7 +454,7 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
   begun.nuisance = fitted.point.nuisance;
   std::fill_n(begun.nuisance.begin(), problem.nuisances.common_count(), 0.0);
   FitResult result = fit_at(problem, std::move(begun));
-  forget_columns(result);
+  forget_columns(problem, result);
   result.cost = cost_of(problem, result.point, result.difference);
   const Moves moves = moves_of_beginnings(problem);
   for (int round = 0; round < problem.settings.rounds; ++round) {
@@ -490,7 +490,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
 
 FitResult fit_from(Problem& problem, Point start, int rounds) {
   FitResult result = fit_at(problem, std::move(start));
-  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
+  forget_columns(problem, result);
   result.cost = cost_of(problem, result.point, result.difference);
   settle(problem, result, rounds);
   return result;

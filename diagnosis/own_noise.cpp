@@ -17,13 +17,18 @@ constexpr double kLeastVariance = 1e-3;  // what is rounded away
 
 using BinRows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, Eigen::Dynamic>;
 
+// Where a channel's real part stands at a bin among the differences of a record from `first_row` on; the imaginary one follows.
+Eigen::Index row_at(const Whitening& whitening, Eigen::Index first_row, Eigen::Index channel, std::size_t bin) {
+  return first_row + 2 * (channel * static_cast<Eigen::Index>(whitening.bin_count) + static_cast<Eigen::Index>(bin));
+}
+
 // The values of all channels at a bin, one column each.
 void take_bin(const Whitening& whitening, const Eigen::MatrixXd& values, Eigen::Index first_row, std::size_t bin, BinRows& rows) {
   const auto channels = static_cast<Eigen::Index>(whitening.channels.size());
   rows.resize(channels, values.cols());
   for (Eigen::Index column = 0; column < values.cols(); ++column) {
     for (Eigen::Index c = 0; c < channels; ++c) {
-      const Eigen::Index row = first_row + 2 * (c * static_cast<Eigen::Index>(whitening.bin_count) + static_cast<Eigen::Index>(bin));
+      const Eigen::Index row = row_at(whitening, first_row, c, bin);
       rows(c, column) = {values(row, column), values(row + 1, column)};
     }
   }
@@ -105,7 +110,7 @@ void divide(const ChannelMatrix& covariance, BinRows& rows) {
 void put_bin(const Whitening& whitening, const BinRows& rows, Eigen::Index first_row, std::size_t bin, Eigen::MatrixXd& values) {
   for (Eigen::Index column = 0; column < values.cols(); ++column) {
     for (Eigen::Index c = 0; c < rows.rows(); ++c) {
-      const Eigen::Index row = first_row + 2 * (c * static_cast<Eigen::Index>(whitening.bin_count) + static_cast<Eigen::Index>(bin));
+      const Eigen::Index row = row_at(whitening, first_row, c, bin);
       values(row, column) = rows(c, column).real();
       values(row + 1, column) = rows(c, column).imag();
     }

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "controller/controller_file.h"
-#include "diagnosis/own_noise.h"
 #include "sim/machine/machine_file.h"
 #include "tests/diagnosis/admitted.h"
 #include "tests/diagnosis/simulated_log.h"
