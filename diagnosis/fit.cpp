@@ -526,8 +526,10 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
   result.idle_rounds = 0;
 }
 
-void settle(Problem& problem, FitResult& result, int rounds) {
-  for (int round = 0; round < rounds && result.idle_rounds < kIdleRounds && improve(problem, result, true); ++round) {
+void settle(Problem& problem, FitResult& result, int rounds, double reach) {
+  for (int left = rounds; left > 0 && result.idle_rounds < kIdleRounds; --left) {
+    const double before = result.cost;
+    if (!improve(problem, result, true) || result.cost - (left - 1) * (before - result.cost) > reach) return;
   }
 }
 

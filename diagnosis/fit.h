@@ -127,7 +127,8 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // settings' afterwards.
 void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds);
 
-// Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such.
-void settle(Problem& problem, FitResult& result, int rounds);
+// Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such, and none where those that are left would not come
+// down to `reach` at the pace of the last one.
+void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
 
 }  // namespace slewlab::diagnosis

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -29,6 +30,7 @@ constexpr std::size_t kPairLeaders = 3;         // single effects beside which a
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kLargeResidual = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
+constexpr double kNotFar = 0.1;                   // chance of machines that lie as far from nominal, above which parameters hide no effect where they leave noise alone; chosen
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -39,6 +41,14 @@ constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signature
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
+constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+
+// The cost to which other fits are to come down: that of one whose residual is noise alone, and no more than `reach`. A hypothesis that holds its effects and
+// more stands no higher where it has settled, for those may be absent.
+double reach_of(const FitResult& best, double reach = kAnywhere) {
+  return mean_square(best.difference) <= 1.0 ? std::min(best.cost, reach) : reach;
+}
+
 std::string effects_of(const Point& point) {
   std::string names;
   for (const common::EffectInstance& effect : point.effects) names += (names.empty() ? "" : " with ") + effect.name;
@@ -46,8 +56,8 @@ std::string effects_of(const Point& point) {
 }
 
 // Goes on until it settles. Parameters of effects that end at their bounds may have gone there on the way and not come back: once more with these at their typical values.
-void settle_rival(Problem& problem, FitResult& fitted) {
-  settle(problem, fitted, kFreshRounds);
+void settle_rival(Problem& problem, FitResult& fitted, double reach) {
+  settle(problem, fitted, kFreshRounds, reach);
   if (fitted.cost > fitted.cost_elsewhere - kNearRival) return;
   Point start = fitted.point;
   bool is_elsewhere = false;
@@ -62,14 +72,14 @@ void settle_rival(Problem& problem, FitResult& fitted) {
   }
   if (!is_elsewhere) return;
   FitResult other = fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), start);
-  settle(problem, other, kFreshRounds);
+  settle(problem, other, kFreshRounds, reach);
   if (other.cost < fitted.cost) fitted = std::move(other);
   fitted.cost_elsewhere = fitted.cost;
 }
 
 // Goes on until it settles. A fit whose residual is more than noise does so from afar as well, but from one place once.
-void settle_leader(Problem& problem, FitResult& leader) {
-  settle_rival(problem, leader);
+void settle_leader(Problem& problem, FitResult& leader, double reach) {
+  settle_rival(problem, leader, reach);
   if (mean_square(leader.difference) <= 1.0 || leader.cost > leader.cost_from_afar - kNearRival) return;
   FitResult other = leader;
   settle_from_afar(problem, other, 1.0, kFreshRounds);
@@ -79,21 +89,20 @@ void settle_leader(Problem& problem, FitResult& leader) {
 }
 
 // Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
-// Beside one whose residual is noise alone those go on that would reach it at the pace of their last round.
-void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
+// Where there is a cost to reach, because a fit's residual is noise alone, those go on that would come down to it at the pace of their last round.
+void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count, double reach) {
   for (; count > 1 && !fits.empty(); count = (count + 1) / 2) {
     std::stable_sort(fits.begin(), fits.end(), cheaper);
     const std::size_t now = std::min(count, fits.size());
-    const bool is_noise_alone = mean_square(fits.front().difference) <= 1.0;
-    const double best = fits.front().cost;
+    const double to_reach = reach_of(fits.front(), reach);
     std::atomic<bool> comes_on{false};
     share_out(problem, now, [&](std::size_t i) {
-      if (i == 0 && is_noise_alone) return;
+      if (fits[i].cost <= to_reach && to_reach < kAnywhere) return;
       const double before = fits[i].cost;
       settle(problem, fits[i], 1);
-      if (fits[i].cost - kFreshRounds * (before - fits[i].cost) < best) comes_on = true;
+      if (fits[i].cost - kFreshRounds * (before - fits[i].cost) < to_reach) comes_on = true;
     });
-    if (count == 2 || (is_noise_alone && !comes_on)) break;
+    if (count == 2 || !comes_on) break;
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
@@ -123,12 +132,21 @@ std::size_t count_near_best(const std::vector<FitResult>& fits) {
 }
 
 // The best one, and where another one is near, that one too: none loses for want of convergence.
-void settle_best(Problem& problem, std::vector<FitResult>& fits) {
+void settle_best(Problem& problem, std::vector<FitResult>& fits, double reach) {
   if (fits.empty()) return;
-  settle_leader(problem, fits.front());
+  settle_leader(problem, fits.front(), reach);
+  const double to_reach = reach_of(fits.front(), reach);
   const std::size_t rivals = count_near_best(fits) - 1;
-  share_out(problem, rivals, [&](std::size_t behind) { settle_rival(problem, fits[behind + 1]); });
+  share_out(problem, rivals, [&](std::size_t behind) { settle_rival(problem, fits[behind + 1], to_reach); });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// Where one effect leaves noise alone and parameters alone do not, the others draw no parameters off to stand for a second one: they go on with fresh columns,
+// for those that they had may have led nowhere.
+void go_on_beside_noise(Problem& problem, const FitResult& base, std::vector<FitResult>& fits, std::size_t count) {
+  if (fits.empty() || reach_of(base) < kAnywhere || reach_of(fits.front()) == kAnywhere) return;
+  converge(problem, fits, count, kAnywhere);
+  settle_best(problem, fits, kAnywhere);
 }
 
 // Each takes the place of the one with its effects where it is cheaper.
@@ -187,7 +205,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     improve(problem, again, false);
     if (const std::optional<Point> other = handed_on(problem, from, left_out)) {
       FitResult handed = fit(problem, from.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), *other);
-      settle(problem, handed, kFreshRounds);
+      settle(problem, handed, kFreshRounds, reach_of(from));
       if (handed.cost < again.cost) again = std::move(handed);
     }
     if (again.point.effects.empty() && residual_power(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
@@ -247,7 +265,7 @@ bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   std::atomic<bool> came_on{false};
   share_out(problem, others.size(), [&](std::size_t i) {
     FitResult again = fit(problem, nuisance_columns, others[i].there.start);
-    if (is_relative(problem, best, again)) settle(problem, again, kFreshRounds);
+    if (is_relative(problem, best, again)) settle(problem, again, kFreshRounds, reach_of(best));
     if (again.cost >= others[i].fitted->cost) return;
     *others[i].fitted = std::move(again);
     came_on = true;
@@ -262,7 +280,7 @@ void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits)
   if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
   std::vector<FitResult> others = fits;
   if (!start_from_best_machine(problem, others)) return;
-  settle_best(problem, others);
+  settle_best(problem, others, kAnywhere);
   if (mean_square(others.front().difference) <= kNoiseAlone) fits = std::move(others);
 }
 
@@ -324,7 +342,7 @@ void try_recurring(Problem& problem, const Screening& screening, std::vector<Fit
   share_out(problem, starts.size(), [&](std::size_t i) { tried[i] = fit(problem, nuisance_columns, starts[i]); });
   settle(problem, *std::min_element(tried.begin(), tried.end(), cheaper), kFreshRounds);
   take_cheaper(fits, std::move(tried));
-  settle_best(problem, fits);
+  settle_best(problem, fits, kAnywhere);
 }
 
 // What is promised beside a fitted effect: the starts, and the sum of squares of the fit's residual, of which they take a part away.
@@ -374,7 +392,8 @@ std::vector<const Screened*> worth_a_pair(const Problem& problem, const Beside& 
 
 // Pairs worth refining, each from one point. First a second effect beside the best single one, with the catalogue screened again
 // there: where effects are large, only that is near enough. Then, by the columns at hand, beside two more single ones. Last what two
-// columns do jointly from where nothing is added: a pair that is met both ways begins beside its larger effect.
+// columns do jointly from where nothing is added: a pair that is met both ways begins beside its larger effect. Beside a single effect that does not come down
+// to parameters alone, where their residual is noise alone, there is nothing to look for.
 std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best,
                                const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as,
                                const SearchSettings& settings, const Progress& tell) {
@@ -408,7 +427,10 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   const auto take = [&](const Point& start, const FitResult& from) {
     if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back({start, &from});
   };
-  for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
+  const double reach = reach_of(base);
+  std::size_t leaders = 0;
+  while (leaders < std::min<std::size_t>(kPairLeaders, singles.size()) && singles[leaders].cost < reach) ++leaders;
+  for (std::size_t leader = 0; leader < leaders; ++leader) {
     const FitResult& single = singles[leader];
     const bool is_best = leader == 0;
     const Beside look = is_best ? look_beside(problem, single, screening, same_as, tell) : beside_by(problem, single, best);
@@ -419,7 +441,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
     }
   }
   // Beside an effect a parameter that stands where the spread of machines of one make ends may be another one's: what the parameter was is handed over.
-  for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
+  for (std::size_t leader = 0; leader < leaders; ++leader) {
     const Point& single = singles[leader].point;
     for (const Screened* screened : best) {
       const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
@@ -434,7 +456,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
 
 // The pairs from their starts; the best of them converge and settle. Columns of nuisances that nothing is known of are taken from the best single fit.
 std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const std::vector<PairStart>& starts, const FitResult& best_single,
-                                 const SearchSettings& settings, const Progress& refining, const Progress& converging) {
+                                 double reach, const SearchSettings& settings, const Progress& refining, const Progress& converging) {
   std::vector<FitResult> pairs(starts.size());
   share_out(problem, starts.size(), [&](std::size_t i) {
     const auto& [start, from] = starts[i];
@@ -446,20 +468,20 @@ std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const 
   const auto contenders = static_cast<std::size_t>(settings.pair_contenders);
   start_over(problem, base.columns, pairs, contenders, within(converging, kStartOver));
   converging(kStartOver.to, "settling pairs");
-  converge(problem, pairs, contenders);
-  settle_best(problem, pairs);
+  converge(problem, pairs, contenders, reach);
+  settle_best(problem, pairs, reach);
   return pairs;
 }
 
 // The best single effects converge behind the pairs: before, they draw parameters far off to stand for what a second effect says, and a pair that begins there
 // does not come back.
-void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
+void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_t count, double reach) {
   const auto first = std::stable_partition(fits.begin(), fits.end(), [](const FitResult& one) { return one.point.effects.size() != 1; });
   std::vector<FitResult> singles(std::make_move_iterator(first), std::make_move_iterator(fits.end()));
   fits.erase(first, fits.end());
-  converge(problem, singles, count);
-  settle_best(problem, singles);
-  if (start_from_best_machine(problem, singles)) settle_best(problem, singles);
+  converge(problem, singles, count, reach);
+  settle_best(problem, singles, reach);
+  if (start_from_best_machine(problem, singles)) settle_best(problem, singles, reach);
   fits.insert(fits.end(), std::make_move_iterator(singles.begin()), std::make_move_iterator(singles.end()));
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
@@ -478,7 +500,7 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
     const auto is_single = [](const FitResult& one) { return one.point.effects.size() == 1; };
     const auto single = std::find_if(fits.begin(), fits.end(), is_single);
     if (single == fits.end()) return;
-    settle(problem, *single, kFreshRounds);
+    settle(problem, *single, kFreshRounds, reach_of(fits.front()));
     const bool is_looked_beside = has_same_effects(single->point, looked_beside.point) && single->cost > looked_beside.cost - kNearRival;
     if (is_looked_beside || mean_square(single->difference) <= 1.0) return;
     looked_beside = {single->point, single->cost};
@@ -490,7 +512,7 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
       if (starts.size() == static_cast<std::size_t>(settings.beside_the_best)) break;
       starts.push_back({with_amount(problem.catalogue, single->point, *screened, screened->amount), &*single});
     }
-    take_cheaper(fits, fit_pairs(problem, base, starts, *single, settings, part(1), part(2)));
+    take_cheaper(fits, fit_pairs(problem, base, starts, *single, reach_of(*single), settings, part(1), part(2)));
     go_back(problem, base.columns, 2, fits);
   }
 }
@@ -575,13 +597,16 @@ std::vector<const Screened*> ranked_starts(const Problem& problem, const Screeni
 }
 
 // Where the residual of the nominal machine is large, parameters alone may stand for what an effect says, and beside them it promises nothing: the
-// catalogue is looked at from the nominal machine as well, and refined from there. So where they have gone farther than machines of one make do.
+// catalogue is looked at from the nominal machine as well, and refined from there. So where they have gone farther than machines of one make do. What an effect
+// could say in place of parameters that leave noise alone is no more than how far they have gone: where that is not far there is nothing to look for.
 std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
                                             std::map<std::string, std::string>& same_as, const Progress& tell) {
   FitResult from = base;
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
-  if (mean_square(from.difference) < kLargeResidual && chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
+  const double chance = chance_of_prior(base.prior, base.information, problem.settings.independent_share);
+  const bool is_small = mean_square(from.difference) < kLargeResidual, is_noise_alone = mean_square(base.difference) <= 1.0;
+  if ((is_small && chance >= kFarTogether) || (is_noise_alone && chance >= kNotFar)) return {};
   const std::vector<common::EffectInstance> best = best_starts(problem, screening);
   std::vector<common::EffectInstance> starts;  // those of one effect stand together
   for (const common::EffectInstance& start : best) {
@@ -602,6 +627,28 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
     refined[i] = fit(problem, base.columns, with_amount(problem.catalogue, from.point, *chosen[i], chosen[i]->amount));
   });
   return refined;
+}
+
+// From the best fit to the others, where it leads: to other effects on its machine, to one effect and to none.
+void meet(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as, const SearchSettings& settings,
+          const LookedBeside& looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
+  const double reach = reach_of(base);
+  tell(0.0, "meeting at the best fit");
+  if (start_from_best_machine(problem, fits)) {
+    start_over(problem, base.columns, fits, count_near_best(fits), [](double, const std::string&) {});
+    settle_best(problem, fits, reach);
+  }
+  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
+  tell(0.4, "going back to one effect");
+  go_back(problem, base.columns, 2, fits);
+  converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders), reach_of(fits.front(), reach));
+  tell(0.45, "looking for when effects act");
+  find_other_times(problem, fits);
+  if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
+  if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
+  try_recurring(problem, screening, fits);
+  tell(0.8, "going back to none");
+  go_back(problem, base.columns, 1, fits);
 }
 
 }  // namespace
@@ -635,7 +682,8 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   const Progress converging = within(tell, kConvergeSingles);
   start_over(problem, base.columns, fits, static_cast<std::size_t>(settings.contenders), within(converging, kStartOver));
   converging(kStartOver.to, "settling single effects");
-  settle_best(problem, fits);
+  settle_best(problem, fits, reach_of(base));
+  go_on_beside_noise(problem, base, fits, static_cast<std::size_t>(settings.contenders));
   find_what_began_too_far_off(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
@@ -657,28 +705,13 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
     const std::vector<PairStart> starts = pair_starts(problem, base, screening, best, fits, same_as, settings, beside_best);
     looked_beside = {fits.front().point, fits.front().cost};
     std::vector<FitResult> pairs =
-        fit_pairs(problem, base, starts, fits.front(), settings, within(tell, kRefinePairs), within(tell, kConvergePairs));
+        fit_pairs(problem, base, starts, fits.front(), reach_of(fits.front(), reach_of(base)), settings, within(tell, kRefinePairs), within(tell, kConvergePairs));
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
-  const Progress going_back = within(tell, kGoBack);
-  going_back(0.0, "meeting at the best fit");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  if (start_from_best_machine(problem, fits)) {
-    start_over(problem, base.columns, fits, count_near_best(fits), [](double, const std::string&) {});
-    settle_best(problem, fits);
-  }
-  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
-  going_back(0.4, "going back to one effect");
-  go_back(problem, base.columns, 2, fits);
-  converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
-  going_back(0.45, "looking for when effects act");
-  find_other_times(problem, fits);
-  if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
-  if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
-  try_recurring(problem, screening, fits);
-  going_back(0.8, "going back to none");
-  go_back(problem, base.columns, 1, fits);
+  const Progress going_back = within(tell, kGoBack);
+  if (!fits.empty() && fits.front().cost < reach_of(base)) meet(problem, base, screening, same_as, settings, looked_beside, fits, going_back);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });
   going_back(0.9, "fitting by what the noise is in each machine");
   fit_by_own_noise(problem, fits);

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "tests/diagnosis/admitted.h"
+#include "tests/diagnosis/simulated_log.h"
+
 namespace slewlab::diagnosis {
 namespace {
 
@@ -92,6 +95,27 @@ TEST_F(Relaxation, PromisesNothingThatWasNotReached) {
   result_.difference(0) = 30.0;
   residual_power_ = 500.0;
   EXPECT_GE(relaxed_by(1e-3).residual_power, 500.0);
+}
+
+// A fit that is to come down to a cost ends where it would not at the pace of its last round: here behind the first. Nothing is to be reached, and it settles.
+TEST(Settle, EndsWhereItWouldNotComeDownToWhatIsToBeReached) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(5);
+  Admitted admitted({simulated_log(truth, bench().controller, kInching, kDuration, 2, 1e-2)});
+  Problem& problem = admitted.problem;
+  FitResult start = nominal_fit(problem);
+  start.columns = Eigen::MatrixXd::Zero(start.difference.size(), static_cast<Eigen::Index>(nuisance_count(problem)));
+  start.cost = 1e9;
+  FitResult once = start, ended = start, settled = start;
+  settle(problem, once, 1);
+  settle(problem, ended, 10, -1e12);
+  settle(problem, settled, 10);
+  EXPECT_EQ(ended.cost, once.cost);
+  EXPECT_EQ(ended.point.nuisance, once.point.nuisance);
+  EXPECT_LT(settled.cost, once.cost);
+  FitResult reached = start;
+  settle(problem, reached, 10, settled.cost);
+  EXPECT_LE(reached.cost, settled.cost);
 }
 
 }  // namespace

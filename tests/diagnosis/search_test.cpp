@@ -1,0 +1,72 @@
+// Expected: what made the log, and that nothing is looked for where nothing can be won.
+#include "diagnosis/search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/diagnosis/admitted.h"
+#include "tests/diagnosis/simulated_log.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr double kPeriod = 1e-2;  // [s] of a PLC
+constexpr std::array<std::string_view, 5> kKept{"bearing_viscous", "dead_time", "torque_lag", "torque_offset", "house_inertia"};
+
+// A search behind parameters alone, for a few effects of the catalogue.
+struct Searching {
+  explicit Searching(const sim::MachineSettings& truth) : admitted({simulated_log(truth, bench().controller, kThereAndBack, kDuration, 3, kPeriod)}) {
+    Problem& problem = admitted.problem;
+    problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
+    whiten_again(problem, admitted.whitening);
+    base = fit_nuisances(problem, nominal_fit(problem));
+    const std::vector<common::EffectInstance> starts =
+        catalogue_starts(problem.catalogue, problem.nominal, all_but(problem.catalogue, kKept), last_moment(problem), problem.thresholds.spell_every);
+    const Screening screening = screen(problem, base, projector_of(problem, base), starts, [](double, const std::string&) {});
+    const auto told = [&](double, const std::string& doing) { doings.push_back(doing); };
+    found = search(problem, base, screening, {}, [](FitResult&) { return Shown::nothing; }, told);
+  }
+  bool was_told(std::string_view beginning) const {
+    return std::any_of(doings.begin(), doings.end(), [&](const std::string& doing) { return doing.starts_with(beginning); });
+  }
+
+  Admitted admitted;
+  FitResult base;
+  Found found;
+  std::vector<std::string> doings;
+};
+
+// A machine of which parameters alone, not far from nominal, leave noise: no effect comes down to them, and neither pairs nor a way back from an effect are looked for.
+TEST(Search, EndsWhereNoEffectComesDownToParametersThatLeaveNoise) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(11);
+  const Searching searching(truth);
+  ASSERT_LT(searching.base.mean_square, 1.0);
+  EXPECT_FALSE(searching.was_told("meeting at the best fit"));
+  EXPECT_FALSE(searching.was_told("trying every effect of the catalogue beside"));
+  EXPECT_EQ(searching.found.nothing.cost, searching.base.cost);
+  for (const FitResult& fit : searching.found.fits) EXPECT_GE(fit.cost, searching.base.cost) << fit.point.effects.front().name;
+}
+
+// Delays are alike, and which of them is fitted lowest first says little: each goes on until it settles, beside which no second effect is needed.
+TEST(Search, FindsWhichDelayItIs) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(12);
+  truth.effects = {{"torque_lag", {0.04, 0.0}}};  // [s] time constant, [-] share of it that is a delay
+  const Searching searching(truth);
+  ASSERT_GT(searching.base.mean_square, kNoiseAlone);
+  ASSERT_FALSE(searching.found.fits.empty());
+  const FitResult& best = searching.found.fits.front();
+  ASSERT_EQ(best.point.effects.size(), 1U);
+  EXPECT_EQ(best.point.effects.front().name, "torque_lag");
+  EXPECT_NEAR(best.point.effects.front().values.front(), 0.04, 0.004);
+  EXPECT_LT(best.mean_square, 1.0);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
