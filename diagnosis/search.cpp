@@ -31,6 +31,7 @@ constexpr int kMoreLooks = 2;                   // beside single effects that ca
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kLargeResidual = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
 constexpr double kNotFar = 0.1;                   // chance of machines that lie as far from nominal, above which parameters hide no effect where they leave noise alone; chosen
+constexpr double kFarBehind = 4.0;               // times what the best law leaves, beyond which a law for a spell is not looked for at other times; chosen
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -284,11 +285,16 @@ void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits)
   if (mean_square(others.front().difference) <= kNoiseAlone) fits = std::move(others);
 }
 
-// Where no fit's residual is noise alone a law that lasts for a spell may only have been fitted at another time.
+// Where no fit's residual is noise alone a law that lasts for a spell may only have been fitted at another time. Not one that another law leaves far behind: at any time it says
+// what is slow in it.
 void find_other_times(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
+  double least = kAnywhere;
+  for (const FitResult& one : fits) {
+    if (one.point.effects.size() == 1) least = std::min(least, mean_square(one.difference));
+  }
   share_out(problem, fits.size(), [&](std::size_t i) {
-    if (fits[i].point.effects.size() == 1) look_for_other_times(problem, fits[i]);
+    if (fits[i].point.effects.size() == 1 && mean_square(fits[i].difference) <= kFarBehind * least) look_for_other_times(problem, fits[i]);
   });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
