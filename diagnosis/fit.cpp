@@ -526,10 +526,12 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
   result.idle_rounds = 0;
 }
 
+bool would_come_down(double from, double to, int rounds, double reach) { return to - rounds * (from - to) <= reach; }
+
 void settle(Problem& problem, FitResult& result, int rounds, double reach) {
   for (int left = rounds; left > 0 && result.idle_rounds < kIdleRounds; --left) {
     const double before = result.cost;
-    if (!improve(problem, result, true) || result.cost - (left - 1) * (before - result.cost) > reach) return;
+    if (!improve(problem, result, true) || !would_come_down(before, result.cost, left - 1, reach)) return;
   }
 }
 

@@ -127,8 +127,11 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // settings' afterwards.
 void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds);
 
+// Whether a fit whose last round led from one cost to another would come down to `reach` in so many more at that pace.
+bool would_come_down(double from, double to, int rounds, double reach);
+
 // Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such, and none where those that are left would not come
-// down to `reach` at the pace of the last one.
+// down to `reach`.
 void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
 
 }  // namespace slewlab::diagnosis

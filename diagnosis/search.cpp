@@ -40,12 +40,12 @@ constexpr Stage kStartOver{0.0, 0.4};            // of converging
 constexpr Stage kLookAgain{0.5, 0.8};            // of going back
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
+constexpr double kAnywhere = std::numeric_limits<double>::infinity();  // a cost to which every fit comes down
+
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
-constexpr double kAnywhere = std::numeric_limits<double>::infinity();
-
 // The cost to which other fits are to come down: that of one whose residual is noise alone, and no more than `reach`. A hypothesis that holds its effects and
-// more stands no higher where it has settled, for those may be absent.
+// more stands no higher where it has settled, for those may be absent; a rival that stays above it is no answer beside it.
 double reach_of(const FitResult& best, double reach = kAnywhere) {
   return mean_square(best.difference) <= 1.0 ? std::min(best.cost, reach) : reach;
 }
@@ -101,7 +101,7 @@ void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count,
       if (fits[i].cost <= to_reach && to_reach < kAnywhere) return;
       const double before = fits[i].cost;
       settle(problem, fits[i], 1);
-      if (fits[i].cost - kFreshRounds * (before - fits[i].cost) < to_reach) comes_on = true;
+      if (would_come_down(before, fits[i].cost, kFreshRounds, to_reach)) comes_on = true;
     });
     if (count == 2 || !comes_on) break;
   }
@@ -607,12 +607,12 @@ std::vector<const Screened*> ranked_starts(const Problem& problem, const Screeni
 // could say in place of parameters that leave noise alone is no more than how far they have gone: where that is not far there is nothing to look for.
 std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
                                             std::map<std::string, std::string>& same_as, const Progress& tell) {
+  const double chance = chance_of_prior(base.prior, base.information, problem.settings.independent_share);
+  if (mean_square(base.difference) <= 1.0 && chance >= kNotFar) return {};
   FitResult from = base;
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
-  const double chance = chance_of_prior(base.prior, base.information, problem.settings.independent_share);
-  const bool is_small = mean_square(from.difference) < kLargeResidual, is_noise_alone = mean_square(base.difference) <= 1.0;
-  if ((is_small && chance >= kFarTogether) || (is_noise_alone && chance >= kNotFar)) return {};
+  if (mean_square(from.difference) < kLargeResidual && chance >= kFarTogether) return {};
   const std::vector<common::EffectInstance> best = best_starts(problem, screening);
   std::vector<common::EffectInstance> starts;  // those of one effect stand together
   for (const common::EffectInstance& start : best) {
