@@ -53,7 +53,7 @@ TEST(Search, EndsWhereNoEffectComesDownToParametersThatLeaveNoise) {
   for (const FitResult& fit : searching.found.fits) EXPECT_GE(fit.cost, searching.base.cost) << fit.point.effects.front().name;
 }
 
-// Delays are alike, and which of them is fitted lowest first says little: each goes on until it settles, beside which no second effect is needed.
+// Delays are alike: the one that acts leads, alone, with its size.
 TEST(Search, FindsWhichDelayItIs) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(12);
