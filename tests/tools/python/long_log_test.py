@@ -72,7 +72,7 @@ class LongLogTest(unittest.TestCase):
                                               "shaft_position: [{column: x, unit: rad}]\nshaft_speed: [{derive: central_difference}]\n"
                                               "motor_torque: [{column: f, unit: N m}]\n")
         most = []
-        for rows in (500_000, 1_500_000):
+        for rows in (500_000, 3_500_000):
             data = self.folder / f"{rows}.parquet"
             with pyarrow.parquet.ParquetWriter(data, pyarrow.schema([(name, pyarrow.float64()) for name in "txf"])) as writer:
                 for begin in range(0, rows, 50_000):
@@ -80,8 +80,8 @@ class LongLogTest(unittest.TestCase):
                     writer.write_table(pyarrow.table({"t": t, "x": np.sin(t), "f": np.cos(t)}, schema=writer.schema))
             arguments = ["--map", str(self.folder / "map.yaml"), str(data), "--out", str(self.folder / "imported.lcmlog")]
             most.append(self.most_memory(f"import import_data\nassert import_data.main({arguments}) == 0"))
-        longer = 1_000_000 * 3 * 8  # [bytes] of the three columns
-        self.assertLess(most[1] - most[0], 0.5 * longer, most)
+        longer = 3_000_000 * 3 * 8  # [bytes] of the three columns; what a process holds at most differs by some 10 MB from run to run
+        self.assertLess(most[1] - most[0], 0.35 * longer, most)
 
     @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
     def test_the_readers_memory_does_not_grow_with_the_log(self):
