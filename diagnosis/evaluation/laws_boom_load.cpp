@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -150,19 +151,32 @@ std::vector<TrueSize> air_drag(TruthMachine& machine, double size, Random&) {
   return {{"drag_area", size}};
 }
 
+// By the polar coordinates r, phi of the load about the axis, phi that of the reference's lateral displacement over the tip's radius R, and
+// the rope's horizontal pull at its true length,
+//   p = (g / L) / sqrt(1 - (d / L)^2),   d^2 = r^2 + R^2 - 2 r R cos(phi - phi_tip),
+//   r phi'' + 2 r' phi' = -p R sin(phi - phi_tip),   r'' = r phi'^2 - p (r - R cos(phi - phi_tip)),   on the tip p r sin(phi - phi_tip),
+// with the rod as it hangs from the rope's end outwards; across, its part in u / R is left out.
 std::vector<TrueSize> offlead(TruthMachine& machine, double, Random&) {
-  machine.forces.push_back({{0.0, 0.0}, {0.01, 0.01}, [](const Scene& scene, const double* states,
-                                                         sim::ReferenceForces& forces, double* rates) {
+  const std::vector<double> scale{0.01, 0.01, 0.001, 0.001};
+  machine.forces.push_back({{0.0, 0.0, 0.0, 0.0}, scale, [](const Scene& scene, const double* states, sim::ReferenceForces& forces, double* rates) {
     constexpr double kDampingRatio = 0.01;  // [-]
-    const double length = scene.crane.load.rope_length;
-    const double w = std::sqrt(sim::kGravity / length);
-    const double radius = scene.tip_radius + states[0];
-    const double slew = scene.motion.rope_end_velocity / radius;
-    const double x = scene.motion.rope_end_displacement - scene.motion.tip_displacement;
-    const double slew_rate = -sim::kGravity * x / (length * radius) - states[1] * slew / radius;
-    rates[0] = states[1];
-    rates[1] = radius * slew * slew - sim::kGravity * std::sin(states[0] / length) - 2.0 * kDampingRatio * w * states[1];
-    forces.load_force -= scene.crane.load.mass * (states[0] * slew_rate + 2.0 * states[1] * slew);
+    const double length = scene.crane.load.rope_length, rod = scene.crane.load.rod_length, mass = scene.crane.load.mass;
+    const double radius = scene.tip_radius + states[0], outwards = states[1];
+    const double turn = scene.motion.rope_end_velocity / scene.tip_radius;
+    const double across = scene.motion.rope_end_displacement - scene.motion.tip_displacement, lag = across / scene.tip_radius;
+    const double square = radius * radius + scene.tip_radius * scene.tip_radius - 2.0 * radius * scene.tip_radius * std::cos(lag);
+    const double natural = std::sqrt(sim::kGravity / length);
+    const double pull = natural * natural / std::sqrt(1.0 - std::min(0.9, square / (length * length)));
+    const double on_rope = radius * turn * turn - pull * (radius - scene.tip_radius * std::cos(lag)) - 2.0 * kDampingRatio * natural * outwards;
+    const double on_rod = radius * turn * turn - sim::kGravity * states[2];
+    rates[0] = outwards;
+    rates[2] = states[3];
+    // [1 l/2; l/2 l^2/3] [u''; b''] = [on_rope; l/2 on_rod]; without a rod the rope's end alone.
+    rates[3] = rod > 0.0 ? 6.0 / rod * (on_rod - on_rope) : 0.0;
+    rates[1] = on_rope - 0.5 * rod * rates[3];
+    const double share = scene.tip_radius / radius;
+    forces.load_force += mass * (natural * natural * across - share * (pull * scene.tip_radius * std::sin(lag) + 2.0 * outwards * turn));
+    forces.tip_force += mass * (pull * radius * std::sin(lag) - natural * natural * across);
   }});
   return {{"share", 1.0}};
 }

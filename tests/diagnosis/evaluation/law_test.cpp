@@ -411,5 +411,40 @@ TEST(Law, SizesOutsideTheCatalogueFollowMassesAndLengths) {
   }
 }
 
+// With M y'' = -K (y - y_tip) + F on the load and K (y - y_tip) + T on the tip, what the load gains of angular momentum M r^2 phi' the crane loses.
+TEST(Law, RadialPendulumKeepsTheAngularMomentum) {
+  const TruthMachine machine = machine_with("radial_pendulum", 1.0);
+  Still still(0.2);
+  const Scene scene = still.scene();
+  const double mass = still.crane.load.mass, tip_radius = scene.tip_radius, outwards = 3.0, rate = 0.4;
+  still.motion.rope_end_velocity = 0.2 * tip_radius;
+  still.motion.rope_end_displacement = 1.5;
+  const sim::ReferenceForces forces = still.forces(machine, {outwards, rate, 0.0, 0.0});
+  const double on_tip = scene.rope_stiffness * 1.5 + forces.tip_force;
+  const double acceleration = (forces.load_force - scene.rope_stiffness * 1.5) / mass / tip_radius;
+  const double radius = tip_radius + outwards;
+  const double gained = mass * (radius * radius * acceleration + 2.0 * radius * rate * 0.2);
+  EXPECT_NEAR(gained + tip_radius * on_tip, 0.0, 1e-9 * tip_radius * on_tip);
+}
+
+// A conical pendulum: tan(alpha) = r W^2 / g on a rope of length L, u = L sin(alpha).
+TEST(Law, RadialPendulumRestsAsAConicalOne) {
+  const TruthMachine machine = machine_with("radial_pendulum", 1.0);
+  Still still(0.2);
+  still.crane.load.rod_length = 0.0;
+  still.motion.rope_end_velocity = 0.2 * still.scene().tip_radius;
+  const double length = still.crane.load.rope_length;
+  double outwards = 0.0;
+  for (int k = 0; k < 100; ++k) outwards = length * std::sin(std::atan((still.scene().tip_radius + outwards) * 0.2 * 0.2 / sim::kGravity));
+  const double states[] = {outwards, 0.0, 0.0, 0.0};
+  double rates[4];
+  sim::ReferenceForces forces;
+  machine.forces.at(0).act(still.scene(), states, forces, rates);
+  EXPECT_NEAR(rates[1], 0.0, 1e-9);
+  EXPECT_NEAR(forces.load_force, 0.0, 1e-6);
+  EXPECT_NEAR(forces.tip_force, 0.0, 1e-6);
+  EXPECT_GT(outwards, 5.0);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis::withheld
