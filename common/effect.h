@@ -162,6 +162,8 @@ struct EffectAbout {
   std::vector<EffectInstance> (*parts)(const EffectValues& values) = nullptr;
   // What it does grows with the motion, on a machine that stands as well as on one that turns: such an effect answers to the sensors' noise as the rest of the machine does.
   bool linear = false;
+  // Has the load's swing outwards, of which the machine's state knows nothing: where a record begins on a machine that has moved, it swings already.
+  bool swings_outwards = false;
 };
 
 inline constexpr std::size_t kSize = 0;  // index of an effect's size among its parameters

@@ -115,6 +115,12 @@ void name_answer(const Cause& first, Diagnosis& diagnosis) {
   }
 }
 
+bool any_swings_outwards(const common::EffectCatalogue& catalogue, const std::vector<std::string>& without) {
+  return std::any_of(catalogue.effects.begin(), catalogue.effects.end(), [&](const common::EffectAbout& about) {
+    return about.swings_outwards && std::find(without.begin(), without.end(), about.name) == without.end();
+  });
+}
+
 // Of torques that were measured, without what lies before them: it shows in none, and a lag that is not there would keep the measurement's noise from the machine.
 DiagnosisSettings without_what_is_before_torques(DiagnosisSettings settings, const std::vector<Record>& records, const common::EffectCatalogue& catalogue, std::vector<std::string>& remarks) {
   const auto measured = std::find_if(records.begin(), records.end(), [](const Record& record) { return record.has_measured_torque; });
@@ -268,6 +274,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;
   WhiteningSettings whitening = take_records(nominal, std::move(records), settings, problem, diagnosis);
+
+  if (!any_swings_outwards(problem.catalogue, settings.without)) problem.nuisances.outward_swing = 0.0;
 
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);

@@ -160,11 +160,14 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
 
 using Moves = std::vector<std::vector<std::size_t>>;  // nuisances that are moved together
 
-// Of what the records' beginnings are like: a record's own change no other record, so each of them goes with its likes.
-Moves moves_of_beginnings(const Problem& problem) {
+// Of what the records' beginnings are like and some machine at the point knows of: a record's own change no other record, so each of them goes with its likes.
+Moves moves_of_beginnings(const Problem& problem, const Point& point) {
   const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record(), all = nuisance_count(problem);
+  const bool swings_outwards = std::any_of(point.effects.begin(), point.effects.end(),
+                                           [&](const common::EffectInstance& effect) { return problem.catalogue.at(effect.name).swings_outwards; });
   Moves moves;
   for (std::size_t part = 0; part < own; ++part) {
+    if (problem.nuisances.is_outward(part) && !swings_outwards) continue;
     std::vector<std::size_t>& move = moves.emplace_back();
     for (std::size_t k = common + part; k < all; k += own) move.push_back(k);
   }
@@ -192,14 +195,16 @@ void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& 
   }
 }
 
-// Of all of them; of nuisances that an effect holds: zero.
+// Of all of them; of nuisances that an effect holds, and of beginnings that no machine at the point knows of: zero.
 void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
   Moves moves;
   for (std::size_t k = 0; k < problem.nuisances.common_count(); ++k) {
     if (is_held(problem, point, k)) columns.col(static_cast<Eigen::Index>(k)).setZero();
     else moves.push_back({k});
   }
-  const Moves beginnings = moves_of_beginnings(problem);
+  const auto common = static_cast<Eigen::Index>(problem.nuisances.common_count());
+  columns.middleCols(common, static_cast<Eigen::Index>(nuisance_count(problem)) - common).setZero();
+  const Moves beginnings = moves_of_beginnings(problem, point);
   moves.insert(moves.end(), beginnings.begin(), beginnings.end());
   renew_columns(problem, point, difference, steps, moves, columns);
 }
@@ -456,7 +461,7 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
   FitResult result = fit_at(problem, std::move(begun));
   forget_columns(problem, result);
   result.cost = cost_of(problem, result.point, result.difference);
-  const Moves moves = moves_of_beginnings(problem);
+  const Moves moves = moves_of_beginnings(problem, result.point);
   for (int round = 0; round < problem.settings.rounds; ++round) {
     const double before = result.cost;
     // Boom and load answer linearly to how they begin until teeth leave their flank, which a motor does that is moved as far as a parameter is.

@@ -26,6 +26,8 @@ Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_de
   // As far as the rated torque inclines the rope while it accelerates the machine.
   nuisances.swing_behind_moves =
       std::max(kSwingDeviation, machine.scales.reach * machine.scales.top_speed / machine.scales.acceleration_time / sim::kGravity);
+  // As far as turning at top speed inclines it.
+  nuisances.outward_swing = machine.scales.reach * machine.scales.top_speed * machine.scales.top_speed / sim::kGravity;
   return nuisances;
 }
 
@@ -54,6 +56,10 @@ Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& am
   for (std::size_t mode = 0; mode < kBeginningBends; ++mode) {
     beginning.bend[mode] = kBendDeviation * amount[k++];
     beginning.bend_rate[mode] = kBendDeviation * amount[k++];
+  }
+  if (nuisances.outward_amounts() > 0) {
+    beginning.outwards = nuisances.outward_swing * amount[k++];
+    beginning.outward_rate = nuisances.outward_swing * natural * amount[k++];
   }
   return beginning;
 }

@@ -4,7 +4,8 @@
 //
 // A point's nuisance parameters, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
 // swing at its beginning, where the machine has a load; where each motor stands between its flanks then; and where some record begins in
-// motion, angle and rate of the load's rod and amounts and rates of the lowest modes of the boom. Those of a record that begins at rest
+// motion, angle and rate of the load's rod, amounts and rates of the lowest modes of the boom, and for the effects that know of it (EffectAbout::swings_outwards)
+// angle and rate of the load's swing along the boom. Those of a record that begins at rest
 // change nothing. The encoders' noise goes through the controller into the torque, so a fit can
 // take some of it away by moving one against the other in time; free here, that favours no cause. A swing that is not free is taken for
 // a cause that pushes the load.
@@ -32,13 +33,17 @@ struct Nuisances {
   std::size_t offset_groups = 0;   // motor groups whose place at a record's beginning is free
   double offset_deviation = 0.0;   // [rad] of it, on the slew axis
   double swing_behind_moves = 0.0;  // [rad] deviation of the load's swing where the machine has moved before
+  double outward_swing = 0.0;  // [rad] of the load's swing along the boom there; 0: no effect of the diagnosis knows of it
   bool has_motion = false;         // the machine has moved before some record of the diagnosis
   std::vector<RecordBegins> begins;  // of these records; fewer than records: the others on an unmoved machine
 
   std::size_t common_count() const { return parameters.size() + 1; }  // of all records together
   std::size_t swing_amounts() const { return rope_length > 0.0 ? 2 : 0; }  // per record
-  std::size_t motion_amounts() const { return has_motion ? swing_amounts() + 2 * kBeginningBends : 0; }
+  std::size_t motion_amounts() const { return has_motion ? swing_amounts() + 2 * kBeginningBends + outward_amounts() : 0; }
+  std::size_t outward_amounts() const { return outward_swing > 0.0 ? swing_amounts() : 0; }
   std::size_t per_record() const { return swing_amounts() + offset_groups + motion_amounts(); }
+  // Whether the `part`-th of a record's is the load's swing along the boom: the last ones of motion.
+  bool is_outward(std::size_t part) const { return has_motion && part + outward_amounts() >= per_record(); }
   RecordBegins begin_of(std::size_t record) const { return record < begins.size() ? begins[record] : RecordBegins::unmoved; }
   std::size_t count(std::size_t records) const { return common_count() + per_record() * records; }
 };

@@ -267,6 +267,7 @@ void start(sim::Machine& machine, const Record& record, const FirstReading& firs
     bend(machine, k + 1, unit * beginning.bend[k], unit * std::sqrt(machine.model.square[k + 1]) * beginning.bend_rate[k]);
   }
   sim::refresh(machine.model, machine.state);
+  sim::begin_effects(machine, beginning.outwards, beginning.outward_rate);
   sim::forget_past(machine);
 }
 

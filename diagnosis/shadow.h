@@ -75,6 +75,7 @@ inline constexpr std::size_t kBeginningBends = 2;
 struct Beginning {
   double swing = 0.0, swing_rate = 0.0;  // [rad], [rad/s] of the load: rope and rod in one line
   double rod = 0.0, rod_rate = 0.0;      // [rad], [rad/s] of the rod alone, about the rope's end
+  double outwards = 0.0, outward_rate = 0.0;  // [rad], [rad/s] of the load along the boom: sim::OutwardSwing
   GroupAngles motor_offset{};            // [rad] slew axis: how far each motor stands from where the machine has it
   // [-] of the lowest modes of boom and house, in what the rated torque would bend them by; rates in that times their angular frequency.
   std::array<double, kBeginningBends> bend{}, bend_rate{};

@@ -63,11 +63,19 @@ struct SensorMoment {
   PlantReadings truth;
 };
 
+// How the load swings outwards where a machine begins in motion, rope and rod in one line: about where it hangs on a house that turns evenly.
+struct OutwardSwing {
+  double house_speed = 0.0;       // [rad/s]
+  double angle = 0.0, rate = 0.0;  // [rad], [rad/s]
+};
+
 // An effect at work in one machine. Copies of a machine copy it.
 class RunningEffect {
  public:
   virtual ~RunningEffect() = default;
   virtual std::unique_ptr<RunningEffect> clone() const = 0;
+
+  virtual void begin(const OutwardSwing&) {}
 
   // `time` [s] of the step's start; `command` is replaced by what arrives at the drives.
   virtual void message(double /*time*/, DriveCommand& /*command*/) {}

@@ -75,7 +75,7 @@ void hang_load(Machine& machine) {
   EffectMoment rest;
   rest.step = model.step;
   PortForces& ports = machine.steady;
-  for (const std::size_t i : machine.force) machine.effects[i]->force(rest, ports);
+  for (const std::size_t i : machine.force) EffectHandle(machine.effects[i])->force(rest, ports);  // a copy's: the run has not begun
   if (!model.has_load || (ports.load_force == 0.0 && ports.rod_moment == 0.0)) return;
   const Eigen::Matrix2d& stiffness = model.load.stiffness;
   const Eigen::Vector2d place(ports.load_force / stiffness(0, 0),
@@ -306,6 +306,10 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   if (name.empty() || found == machine.switchable.end()) return false;
   machine.is_on[static_cast<std::size_t>(found - machine.switchable.begin())] = on;
   return true;
+}
+
+void begin_effects(Machine& machine, double outwards, double outward_rate) {
+  for (EffectHandle& effect : machine.effects) effect->begin({machine.state.house_speed, outwards, outward_rate});
 }
 
 void forget_past(Machine& machine) {

@@ -7,7 +7,7 @@
 // is evaluated. step() allocates nothing and throws nothing.
 //
 // A copy of a machine runs on as the original would. `state` may be set by hand between steps (refresh() of
-// plant.h afterwards, then forget_past()); effects keep their memory.
+// plant.h afterwards, then forget_past()); effects keep their memory, but for what begin_effects() tells them.
 #pragma once
 
 #include <array>
@@ -111,6 +111,9 @@ double rope_angle(const Machine& machine);
 
 // [s] on the clock of effects and motions
 double time_of(const Machine& machine);
+
+// Tells its effects that it begins in the motion that its state has; of the load outwards as OutwardSwing says (effects/effect.h) [rad], [rad/s].
+void begin_effects(Machine& machine, double outwards, double outward_rate);
 
 // Tells the machine that its state was set by hand: the next step extrapolates from it alone.
 void forget_past(Machine& machine);

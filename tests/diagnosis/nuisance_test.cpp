@@ -126,7 +126,7 @@ TEST(Nuisance, ARecordInMotionHasItsRodAndItsBoom) {
   const std::size_t at_rest = nuisances.per_record();
   nuisances.has_motion = true;
   nuisances.begins = {RecordBegins::unmoved, RecordBegins::in_motion, RecordBegins::at_rest};
-  EXPECT_EQ(nuisances.per_record(), at_rest + 2 + 2 * kBeginningBends);
+  EXPECT_EQ(nuisances.per_record(), at_rest + 4 + 2 * kBeginningBends);
   const std::vector<double> amount(nuisances.count(3), 1.0);
   const Beginning standing = beginning_of(nuisances, amount, 0), moving = beginning_of(nuisances, amount, 1), behind = beginning_of(nuisances, amount, 2);
   EXPECT_EQ(standing.swing, kSwingDeviation);
@@ -143,6 +143,19 @@ TEST(Nuisance, ARecordInMotionHasItsRodAndItsBoom) {
     EXPECT_EQ(moving.bend[mode], kBendDeviation);
     EXPECT_EQ(moving.bend_rate[mode], kBendDeviation);
   }
+  // Turning at top speed inclines it outwards by R theta'^2 / g.
+  EXPECT_NEAR(moving.outwards, scales.reach * scales.top_speed * scales.top_speed / 9.81, 1e-12);
+  EXPECT_NEAR(moving.outward_rate, moving.outwards * std::sqrt(9.81 / 40.0), 1e-12);
+  EXPECT_EQ(standing.outwards, 0.0);
+  std::size_t outward = 0;
+  for (std::size_t part = 0; part < nuisances.per_record(); ++part) outward += nuisances.is_outward(part) ? 1U : 0U;
+  EXPECT_EQ(outward, 2U);
+  EXPECT_TRUE(nuisances.is_outward(nuisances.per_record() - 1));
+  // Nobody's swing outwards where no effect knows of it.
+  nuisances.outward_swing = 0.0;
+  EXPECT_EQ(nuisances.per_record(), at_rest + 2 + 2 * kBeginningBends);
+  EXPECT_EQ(beginning_of(nuisances, amount, 1).outwards, 0.0);
+  EXPECT_FALSE(nuisances.is_outward(nuisances.per_record() - 1));
 }
 
 // A machine has only the parameters that it has: no load, no swing.

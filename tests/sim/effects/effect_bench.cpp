@@ -104,6 +104,7 @@ std::vector<BenchSample> run(const MachineSettings& settings, double duration, c
     }
   }
   refresh(model, state);
+  if (start.outwards) begin_effects(machine, *start.outwards, 0.0);
 
   std::vector<BenchSample> samples;
   const auto steps = std::lround(duration / settings.step);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,7 @@ struct BenchStart {
   double slew_speed = 0.0;   // [rad/s] of everything, load and motors included
   double rope_angle = 0.0;   // [rad]
   GroupArray gear_torque{};  // [Nm] on the house per group, gears wound up for it
+  std::optional<double> outwards = std::nullopt;  // [rad] where effects begin in that motion: OutwardSwing's angle
 };
 
 // [J] of motion, house and boom and the motors; and what of it is gone from one moment to another.
