@@ -52,6 +52,7 @@ struct Part {
   OfCourse factor;
   int segments = kSegments;
   OfCourse value{};  // where it is another one than the quantity's
+  bool is_on_house = false;
   int splines() const { return segments > 0 ? segments + 3 : 1; }
 };
 
@@ -121,13 +122,16 @@ std::vector<Quantity> quantities(double largest_torque, int fine) {
   const Part backward{"backward", [](const Course& c, std::size_t n, std::size_t) { return std::max(0.0, -c.direction[n]); }};
   const Part along{"forward, constant", forward.factor, 0}, against{"backward, constant", backward.factor, 0};
   const Part both{"both ways", [](const Course&, std::size_t, std::size_t) { return 1.0; }};
-  const Part both_fine{"both ways, fine", both.factor, fine};
   const Part with_torque{"with each motor's torque", [=](const Course& c, std::size_t n, std::size_t g) { return own_torque(c, n, g) / largest_torque; }};
   const Part own{"each motor's own", both.factor, kSegments, own_torque};
-  return {{"speed", "rad/s", of(&Course::speed), false, {forward, backward, with_torque, along, against}, {{0, 1}, {2}, {3, 4}}},
-          {"angle", "rad", of(&Course::angle), false, {forward, backward, both, both_fine}, {{0, 1}, {2}, {3}}},
-          {"time", "s", of(&Course::time), true, {forward, backward, with_torque, both}, {{0, 1, 2}, {0, 1}, {2}, {3}}},
-          {"torque", "Nm", of(&Course::load), false, {forward, backward, own, with_torque}, {{0, 1}, {2}, {3}}}};
+  const auto of_segments = [](Part part, int segments) { return part.segments = segments, part; };
+  const auto on_house = [](Part part) { return part.is_on_house = true, part; };
+  const auto cubic = [&](const Part& part) { return of_segments(part, 1); };
+  return {{"speed", "rad/s", of(&Course::speed), false, {forward, backward, with_torque, along, against, on_house(cubic(forward)), on_house(cubic(backward))}, {{0, 1}, {2}, {3, 4}, {5, 6}}},
+          {"angle", "rad", of(&Course::angle), false, {on_house(forward), on_house(backward), on_house(both), on_house(of_segments(both, fine)), on_house(cubic(both)), on_house(cubic(forward)), on_house(cubic(backward)), both, cubic(both)},
+           {{0, 1}, {2}, {3}, {4}, {5, 6}, {7}, {8}}},
+          {"time", "s", of(&Course::time), true, {forward, backward, with_torque, both, on_house(cubic(both))}, {{0, 1, 2}, {0, 1}, {2}, {3}, {4}}},
+          {"torque", "Nm", of(&Course::load), false, {forward, backward, own, with_torque, cubic(own)}, {{0, 1}, {2}, {3}, {4}}}};
 }
 
 // The least and the greatest value of a quantity where `factor` acts and the records are judged.
@@ -148,8 +152,11 @@ std::pair<double, double> range_of(const Problem& problem, const std::vector<Cou
   return {low, high};
 }
 
-// A torque at the motors [amounts], as a function of record, grid point and group.
-using TorqueShape = std::function<double(std::size_t record, std::size_t point, std::size_t group)>;
+// A torque [amounts] as a function of record, grid point and group, and where it acts.
+struct TorqueShape {
+  std::function<double(std::size_t record, std::size_t point, std::size_t group)> torque;
+  bool is_on_house = false;
+};
 
 // What such a torque is where the drives are enabled: their shares, per record and grid point.
 using Enabled = std::vector<std::vector<double>>;
@@ -162,13 +169,14 @@ Enabled enabled_shares(Problem& problem) {
   return enabled;
 }
 
-std::vector<MotorTorques> torques_of(const Problem& problem, const Enabled& enabled, double amount, const TorqueShape& shape) {
-  std::vector<MotorTorques> torques(problem.records.size());
+std::vector<MoreTorques> torques_of(const Problem& problem, const Enabled& enabled, double amount, const TorqueShape& shape) {
+  std::vector<MoreTorques> torques(problem.records.size());
   for (std::size_t r = 0; r < torques.size(); ++r) {
+    torques[r].is_on_house = shape.is_on_house;
     for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
-      std::vector<double>& torque = torques[r][g];
+      std::vector<double>& torque = torques[r].of_group[g];
       torque.resize(problem.records[r].size());
-      for (std::size_t n = 0; n < torque.size(); ++n) torque[n] = enabled[r][n] == 0.0 ? 0.0 : enabled[r][n] * amount * shape(r, n, g);
+      for (std::size_t n = 0; n < torque.size(); ++n) torque[n] = enabled[r][n] == 0.0 ? 0.0 : enabled[r][n] * amount * shape.torque(r, n, g);
     }
   }
   return torques;
@@ -180,7 +188,7 @@ std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const 
   const std::size_t together = kSideBySide * static_cast<std::size_t>(std::max(1, problem.threads));
   std::vector<Eigen::VectorXd> columns;
   for (std::size_t first = 0; first < shapes.size(); first += together) {
-    std::vector<std::vector<MotorTorques>> torques(std::min(together, shapes.size() - first));
+    std::vector<std::vector<MoreTorques>> torques(std::min(together, shapes.size() - first));
     share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(problem, enabled, amount, shapes[first + i]); });
     for (Eigen::VectorXd& changed : differences(problem, point, torques)) columns.push_back(changed - difference);
   }
@@ -365,7 +373,7 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
   // One simulation moves a function of all records' times at once: each record's rows tell its own. First what is no discrepancy of any
   // variable: a constant, and whatever holds the machine at standstill, which no law of motion tells.
   std::vector<TorqueShape>& shapes = own->shapes;
-  shapes.emplace_back([](std::size_t, std::size_t, std::size_t) { return 1.0; });
+  shapes.push_back({[](std::size_t, std::size_t, std::size_t) { return 1.0; }});
   const double knots = kHeld * problem.thresholds.time;
   const auto held = static_cast<std::size_t>(std::ceil(longest_record(problem) / knots)) + 1;
   for (std::size_t k = 0; k < held; ++k) {
@@ -377,7 +385,7 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
     for (std::size_t r = 0; r < courses.size() && !acts; ++r) {
       for (std::size_t n = 0; n < courses[r].time.size() && !acts; ++n) acts = hat(r, n, 0) > 0.5;
     }
-    if (acts) shapes.emplace_back(hat);
+    if (acts) shapes.push_back({hat});
   }
   own->common_shapes = shapes.size();
   own->functions.resize(own->all.size());
@@ -389,9 +397,10 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
       const std::size_t copies = quantity.is_of_each_record ? courses.size() : 1;
       for (std::size_t r = 0; r < copies; ++r) own->functions[q].push_back({p, r, low, high, quantity.parts[p].splines(), shapes.size(), {}});
       for (int j = 0; j < quantity.parts[p].splines(); ++j) {
-        shapes.emplace_back([&courses, &quantity, &part = quantity.parts[p], j, low = low, high = high](std::size_t r, std::size_t n, std::size_t g) {
+        const auto torque = [&courses, &quantity, &part = quantity.parts[p], j, low = low, high = high](std::size_t r, std::size_t n, std::size_t g) {
           return part.factor(courses[r], n, g) * spline(j, std::clamp(quantity.value_of(part)(courses[r], n, g), low, high), low, high, part.segments);
-        });
+        };
+        shapes.push_back({torque, quantity.parts[p].is_on_house});
       }
     }
   }
@@ -488,7 +497,7 @@ Eigen::MatrixXd SmoothTorques::columns(const Problem& problem, const SmoothFunct
   return columns;
 }
 
-std::vector<MotorTorques> SmoothTorques::torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const {
+std::vector<MoreTorques> SmoothTorques::torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const {
   const bool is_of_each_record = traced_->quantity(function.variable).is_of_each_record;
   const std::vector<const Block*> blocks = traced_->blocks(function);
   std::vector<Eigen::VectorXd> of_splines;
@@ -498,14 +507,15 @@ std::vector<MotorTorques> SmoothTorques::torques(const Problem& problem, const S
     of_splines.emplace_back(root.matrixU().solve(coefficients.segment(first, block->splines)));
     first += block->splines;
   }
-  return torques_of(problem, traced_->enabled, traced_->amount, [&](std::size_t r, std::size_t n, std::size_t g) {
+  const auto shape = [&](std::size_t r, std::size_t n, std::size_t g) {
     double torque = 0.0;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       if (is_of_each_record && blocks[b]->record != r) continue;
-      for (int j = 0; j < blocks[b]->splines; ++j) torque += of_splines[b](j) * traced_->shapes[blocks[b]->first_shape + static_cast<std::size_t>(j)](r, n, g);
+      for (int j = 0; j < blocks[b]->splines; ++j) torque += of_splines[b](j) * traced_->shapes[blocks[b]->first_shape + static_cast<std::size_t>(j)].torque(r, n, g);
     }
     return torque;
-  });
+  };
+  return torques_of(problem, traced_->enabled, traced_->amount, {shape, !blocks.empty() && traced_->shapes[blocks.front()->first_shape].is_on_house});
 }
 
 bool has_slow_gap(const Problem& problem, const FitResult& fit) {

@@ -1,12 +1,13 @@
-// The residual of a hypothesis, as a torque at the motors that is a smooth function of one variable v and of the direction of motion:
+// The residual of a hypothesis, as a torque that is a smooth function of one variable v and of the direction of motion:
 //
 //   T(t) = sum over i of s_i(t) f_i(v(t)),    f_i(v) = sum over j of a_ij B_j(v),    a ~ N(0, rho P^-1)
 //
 // v is the speed or the angle of the axis, the time since a record's beginning, or the magnitude of the motors' torque, mean over the groups. The s_i
 // are one of several sets, that with the largest evidence: the two directions of motion; of angle and time none (s = 1); of speed, time and torque
-// each motor's torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments; of
-// the angle also as many as the axis passes at its largest speed in a quarter of the characteristic time each (64 at most: what is set in a ring
-// comes many times in a turn); of the speed also the constant. P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines).
+// each motor's torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments or
+// one (a cubic, which a law of few numbers needs no more than); of the angle also as many as the axis passes at its largest speed in a quarter of the
+// characteristic time each (64 at most: what is set in a ring comes many times in a turn); of the speed also the constant. The torque acts at the
+// motors; what follows the angle also on the house, where it winds no gear up, and cubics of speed and time there too. P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines).
 // Parameters, what the hypothesis has, a constant torque, and whatever holds the machine at standstill are projected out, so that the function stands
 // for none of them. rho is that of the largest evidence,
 //
@@ -65,7 +66,7 @@ class SmoothTorques {
   std::vector<SmoothFunction> functions_of(const std::string& variable) const;
   // What a function does to all differences, by its coefficients in standard deviations of their prior for rho = 1; and with some coefficients the torques themselves, of each record.
   Eigen::MatrixXd columns(const Problem& problem, const SmoothFunction& function) const;
-  std::vector<MotorTorques> torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const;
+  std::vector<MoreTorques> torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const;
   // The values that rho may have, evenly in ln rho: squares of a hundredth of the rated torque, so that the function is from a ten-thousandth of that torque to all of it.
   static std::vector<double> scales();
 

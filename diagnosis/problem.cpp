@@ -157,7 +157,7 @@ std::size_t side_by_side(const Problem& problem, std::size_t points) {
 
 // The whitened differences of some of the points, under those torques where there are any, from one of the records. A machine that is not there, because its boom buckles, is far off.
 void differ(Problem& problem, std::span<const Point> points, std::span<const std::optional<Follower>> followers, std::size_t r,
-            std::span<const std::vector<MotorTorques>> torques, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
+            std::span<const std::vector<MoreTorques>> torques, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
   std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
   if (room->shadows.size() < points.size()) room->shadows.resize(points.size());
   std::vector<Shadowing> shadowings;
@@ -180,7 +180,7 @@ void differ(Problem& problem, std::span<const Point> points, std::span<const std
 }
 
 // `torques`: one for each point, or none.
-std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const std::vector<MotorTorques>> torques) {
+std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   std::vector<Eigen::VectorXd> results(points.size(), Eigen::VectorXd(first_row.back()));
   const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
@@ -237,7 +237,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   return std::move(differences_under(problem, {&point, 1}, {}).front());
 }
 
-std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MotorTorques>> torques) {
+std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MoreTorques>> torques) {
   return differences_under(problem, std::vector<Point>(torques.size(), point), torques);
 }
 

@@ -223,7 +223,6 @@ double bend_under_steady_forces(sim::Machine& machine) {
   const sim::PortForces& steady = machine.steady;
   const double tip_force = steady.tip_force + (model.has_load ? steady.load_force : 0.0);
   const double moment = steady.house_torque + (model.tip[0] * tip_force + model.uniform[0] * steady.uniform_force) / model.house[0];
-  if (tip_force == 0.0 && steady.uniform_force == 0.0) return 0.0;
   for (std::size_t mode = 1; can_bend(model, mode); ++mode) {
     const double along = model.uniform[mode] * steady.uniform_force / model.square[mode];
     bend(machine, mode, static_bend(model, mode, steady.house_torque - moment, tip_force) + along, 0.0);
@@ -240,6 +239,15 @@ void turn_to_first_angle(sim::Machine& machine, const Record& record, const Firs
   for (int g = 0; g < record.group_count; ++g) machine.state.motor_angle[static_cast<std::size_t>(g)] += angle;
   machine.state.q[0] += angle / model.house[0];
   move_load(machine, model.tip[0] * angle / model.house[0], 0.0);
+  sim::refresh(model, machine.state);
+  sim::rest_under_steady_forces(machine);
+}
+
+// [rad/s^2] that what pushes from outside would make of all as one body.
+double pushed_acceleration(const sim::Machine& machine) {
+  double torque = machine.outside.house_torque;
+  for (const double at_motors : machine.outside.motor_torque) torque += at_motors;
+  return torque / whole_inertia(machine.model);
 }
 
 void start(sim::Machine& machine, const Record& record, const FirstReading& first, const Beginning& beginning, double time) {
@@ -251,10 +259,10 @@ void start(sim::Machine& machine, const Record& record, const FirstReading& firs
     acceleration = first_acceleration(record, time) / machine.model.ratio;
     bend_as_it_accelerates(machine, acceleration, beginning.swing);
   } else if (record.begins_on_flanks) {
-    acceleration += bend_under_steady_forces(machine);
+    acceleration += bend_under_steady_forces(machine) + pushed_acceleration(machine);
   }
   if (record.begins_on_flanks) {
-    const GroupAngles places = places_on_flanks(machine.model, record, 0, acceleration);
+    const GroupAngles places = places_on_flanks(machine.model, record, 0, acceleration, machine.outside.motor_torque);
     for (std::size_t i = 0; i < places.size(); ++i) machine.state.motor_angle[i] += places[i];
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(record.group_count); ++i) machine.state.motor_angle[i] += beginning.motor_offset[i];
@@ -309,12 +317,12 @@ double rigid_acceleration(const sim::PlantModel& model, const Record& record, st
   return torque / whole_inertia(model);
 }
 
-GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration) {
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration, const sim::GroupArray& more_torque) {
   GroupAngles places{};
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     const double through =
-        model.parameters.drive.motors_per_group * model.ratio * torque_from(record, i, point) - model.group_inertia[i] * acceleration;
+        model.parameters.drive.motors_per_group * model.ratio * torque_from(record, i, point) + more_torque[i] - model.group_inertia[i] * acceleration;
     if (through != 0.0) places[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
   }
   return places;
@@ -454,9 +462,21 @@ Observer::Moment Observer::compare(const Measured& measured) {
   return moment;
 }
 
-void Observer::push(const MotorTorques& torque, std::size_t point) {
-  for (std::size_t i = 0; i < groups_; ++i) machine_.outside.motor_torque[i] += torque[i][point] * to_slew_axis_;
+namespace {
+
+void push(const MoreTorques& torques, std::size_t point, std::size_t groups, double to_slew_axis, sim::PortForces& outside) {
+  double all = 0.0;
+  for (std::size_t i = 0; i < groups; ++i) {
+    const double torque = torques.of_group[i][point] * to_slew_axis;
+    all += torque;
+    if (!torques.is_on_house) outside.motor_torque[i] += torque;
+  }
+  if (torques.is_on_house) outside.house_torque = all;
 }
+
+}  // namespace
+
+void Observer::push(const MoreTorques& torques, std::size_t point) { diagnosis::push(torques, point, groups_, to_slew_axis_, machine_.outside); }
 
 void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains) {
   const std::size_t count = record.size();
@@ -475,6 +495,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
     const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
     reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
+    if (shadowing.more_torque != nullptr) push(*shadowing.more_torque, 0, groups, shadowing.follower.to_slew_axis, shadowing.follower.machine.outside);
     observers.emplace_back(std::move(shadowing.follower), record, position.back().first(record), gains, shadowing.beginning);
     machines[observers.back().steps()].push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
@@ -510,7 +531,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       }
       for (std::size_t i = 0; i < groups; ++i) measured.position[i] = ahead[reads_as[f]][i][place];
       const Observer::Moment moment = observers[f].compare(measured);
-      if (const MotorTorques* const more = shadowings[f].more_torque; more != nullptr) observers[f].push(*more, n);
+      if (const MoreTorques* const more = shadowings[f].more_torque; more != nullptr) observers[f].push(*more, n);
       Shadow& result = *shadowings[f].result;
       for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
       result.contact_lost[n] = moment.contact_lost;

@@ -119,8 +119,8 @@ bool acts_by_force(std::string_view effect);
 double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point);
 
 // [rad] slew axis: how far each motor stands before the house where its gear lies on the flank to which the torque of its group pushes at a grid
-// point, wound up by what goes through it while the axis accelerates so.
-GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration);
+// point, wound up by what goes through it while the axis accelerates so, with `more_torque` [Nm] of each group, slew axis, that no command tells.
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration, const sim::GroupArray& more_torque = {});
 
 // Where the shafts are at a record's first point and how fast they turn: of encoders that read late this is what they say later.
 struct FirstReading {
@@ -129,8 +129,12 @@ struct FirstReading {
 // Of encoders that are not late.
 FirstReading first_reading(const Record& record);
 
-// [Nm per motor] of each group at each grid point, where it acts until the next.
-using MotorTorques = std::array<std::vector<double>, sim::kMaximumGroupCount>;
+// [Nm per motor] of each group at each grid point, where it acts until the next: at the motors, behind what drives and effects make of the commands, or all
+// together on the house, where they wind no gear up.
+struct MoreTorques {
+  std::array<std::vector<double>, sim::kMaximumGroupCount> of_group;
+  bool is_on_house = false;
+};
 
 // The follower on its way, a grid point after the other.
 class Observer {
@@ -155,8 +159,8 @@ class Observer {
   // The same in parts, for who leads many machines at once: how it stands to what is measured, which says how the machine is led over the
   // next step; the step is the caller's.
   Moment compare(const Measured& measured);
-  // Over the next step the motors get that torque as well.
-  void push(const MotorTorques& torque, std::size_t point);
+  // Over the next step the machine gets that torque as well.
+  void push(const MoreTorques& torques, std::size_t point);
   sim::Machine& machine() { return machine_; }
   int steps() const { return steps_; }  // of the machine per step of the grid
 
@@ -184,7 +188,7 @@ struct Shadowing {
   double encoder_latency = 0.0;  // [s]
   Beginning beginning;
   Shadow* result = nullptr;
-  const MotorTorques* more_torque = nullptr;  // at the motors, behind what drives and effects make of the commands
+  const MoreTorques* more_torque = nullptr;  // from the beginning on: where the gears are pressed then, they are under it
 };
 // Many side by side (machine_batch.h), each to the bit as alone.
 void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "diagnosis/own_noise.h"
 
@@ -16,19 +17,15 @@ namespace {
 
 constexpr int kRounds = 8;                             // in which the misfit's weight settles; chosen: it falls by ratios
 constexpr int kSteps = 6;                              // of a descent, at most; chosen: the fit has settled, and the function is nearly linear
+constexpr int kFresh = 4;                             // times that columns are taken anew, at most
+constexpr double kSettled = 2.0, kSettledShare = 0.01;  // of the cost, that such a round must be worth for another one
+constexpr double kOpen = 2.0;                         // step of a difference quotient over what the records leave open
+constexpr double kSmallestStep = 0.06, kLargestStep = 0.3;  // of a fit's coordinate [standard deviations]
 constexpr std::array<double, 3> kDampings{0.0, 1.0, 10.0};
 constexpr double kEnough = 0.5, kEnoughShare = 1e-3;  // of the cost, that a step must be worth
 
-// A fit with a function beside it.
-struct Widened {
-  Point point;
-  Eigen::VectorXd coefficients;  // in standard deviations of their prior for rho = 1
-  Eigen::VectorXd difference;
-  Eigen::MatrixXd columns;  // the fit's, then the function's for rho = 1
-};
-
 // What a step in the coordinates of all columns makes of the prior, the function's in standard deviations for one rho.
-PriorRows prior_of(const Problem& problem, const Widened& at, double rho) {
+PriorRows prior_of(const Problem& problem, const FittedLaw& at, double rho) {
   const PriorRows own = prior_rows(problem, at.point);
   const Eigen::Index count = at.columns.cols();
   PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd::Ones(count)};
@@ -38,20 +35,26 @@ PriorRows prior_of(const Problem& problem, const Widened& at, double rho) {
 }
 
 // 1 for the fit's columns, the root of rho for the function's.
-Eigen::VectorXd scale_of(const Widened& at, double rho) {
+Eigen::VectorXd scale_of(const FittedLaw& at, double rho) {
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(at.columns.cols());
   scale.tail(at.coefficients.size()).setConstant(std::sqrt(rho));
   return scale;
 }
 
-double cost_of(const Problem& problem, const Widened& at, double rho) {
-  return discounted(residual_power(at.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho;
+Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) {
+  const std::array<std::vector<MoreTorques>, 1> torques{smooth.torques(problem, law.function, law.coefficients)};
+  return std::move(differences(problem, law.point, torques).front());
 }
 
-void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction& torque, double rho, Widened& at) {
+double cost_of(const Problem& problem, const FittedLaw& law) {
+  return discounted(residual_power(law.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, law.point) + law.coefficients.squaredNorm() / law.rho;
+}
+
+void descend_from(Problem& problem, const SmoothTorques& smooth, FittedLaw& at) {
+  const double rho = at.rho;
   const Eigen::VectorXd scale = scale_of(at, rho);
   const Eigen::Index function = at.coefficients.size(), own = at.columns.cols() - function;
-  Widened trial;
+  FittedLaw trial{at.function, rho, {}, {}, {}, {}};
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
     const double weight = data_weight(at.difference, problem.settings);
@@ -68,10 +71,9 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
     const double length = step.squaredNorm();
     if (length == 0.0) return std::nullopt;
     trial.coefficients = at.coefficients + step.tail(function);
-    const std::array<std::vector<MotorTorques>, 1> torques{smooth.torques(problem, torque, trial.coefficients)};
-    trial.difference = differences(problem, trial.point, torques).front();
+    trial.difference = difference_under(problem, smooth, trial);
     at.columns += (trial.difference - at.difference - at.columns * step) / length * step.transpose();
-    return cost_of(problem, trial, rho);
+    return cost_of(problem, trial);
   };
   problem_here.accept = [&] {
     const Eigen::MatrixXd axes = step_axes(problem.catalogue, at.point.effects, trial.point.effects);
@@ -81,16 +83,57 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
     at.coefficients = trial.coefficients;
     at.difference = trial.difference;
   };
-  descend(problem_here, cost_of(problem, at, rho), {kSteps, kDampings, kEnough, kEnoughShare});
+  descend(problem_here, cost_of(problem, at), {kSteps, kDampings, kEnough, kEnoughShare});
+}
+
+// Difference quotients where the law stands, of the fit's coordinates and of the function's; those that change nothing stay as they are.
+void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at) {
+  const Eigen::Index function = at.coefficients.size(), count = at.columns.cols(), own = count - function;
+  const Eigen::VectorXd scale = scale_of(at, at.rho);
+  const PriorRows prior = prior_of(problem, at, at.rho);
+  Eigen::MatrixXd curvature = data_weight(at.difference, problem.settings) * (scale.asDiagonal() * (at.columns.transpose() * at.columns) * scale.asDiagonal());
+  curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
+  const Eigen::VectorXd open = scale.cwiseProduct(curvature.ldlt().solve(Eigen::MatrixXd::Identity(count, count)).diagonal().cwiseSqrt());
+  share_out(problem, static_cast<std::size_t>(count), [&](std::size_t k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    if (!at.columns.col(i).any()) return;
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(count);
+    change(i) = i < own ? std::clamp(kOpen * open(i), kSmallestStep, kLargestStep) : kOpen * open(i);
+    const FittedLaw there{at.function, at.rho, moved(problem.catalogue, at.point, change.head(own)), at.coefficients + change.tail(function), {}, {}};
+    if (i < own) change.head(own) = step_between(problem.catalogue, at.point, there.point);
+    if (change(i) == 0.0) return;  // at its bound
+    at.columns.col(i) = (difference_under(problem, smooth, there) - at.difference) / change(i);
+  });
+}
+
+// From where it stands, and on with fresh columns as long as they are worth it.
+void settle(Problem& problem, const SmoothTorques& smooth, FittedLaw& law) {
+  descend_from(problem, smooth, law);
+  for (int fresh = 0; fresh < kFresh; ++fresh) {
+    const double before = cost_of(problem, law);
+    renew_columns(problem, smooth, law);
+    descend_from(problem, smooth, law);
+    if (before - cost_of(problem, law) < std::max(kSettled, kSettledShare * std::fabs(before))) return;
+  }
+}
+
+// A law that was fitted beside an effect, without it.
+FittedLaw alone(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) {
+  FittedLaw alone{law.function, law.rho, law.point, law.coefficients, {}, {}};
+  alone.point.effects.clear();
+  alone.difference = difference_under(problem, smooth, alone);
+  alone.columns.resize(law.columns.rows(), static_cast<Eigen::Index>(law.point.nuisance.size()) + law.coefficients.size());
+  alone.columns << law.columns.leftCols(static_cast<Eigen::Index>(law.point.nuisance.size())), law.columns.rightCols(law.coefficients.size());
+  return alone;
 }
 
 // By the noise of the nominal machine.
-ByOwnNoise by_nominal_noise(const Widened& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
+ByOwnNoise by_nominal_noise(const FittedLaw& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
 
 // The law for every rho from where it stands: z and a move to where the sum of M(residual power - floor) and prior is least for it, by the columns'
 // products with the noise that the residual power is counted by. `plain_gram` are those with the nominal machine's noise, by which information is
 // told. The residual power falls no lower than where the law stands, as in relax(), unless it `may_leave_less`.
-std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double residual_power, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
+std::vector<UnknownLaw> for_every_scale(const Problem& problem, const FittedLaw& at, double residual_power, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
   const double share = problem.settings.independent_share;
   std::vector<UnknownLaw> laws;
   for (const double rho : SmoothTorques::scales()) {
@@ -133,9 +176,9 @@ Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evi
 
 }  // namespace
 
-std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
-                                     const MisfitCost& misfit_cost, double floor) {
-  std::vector<UnknownLaw> laws;
+UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
+                         const MisfitCost& misfit_cost, double floor, const FittedLaw* elsewhere) {
+  UnknownLaws laws;
   const double prior_besides = fit.prior - prior_cost(problem, fit.point), share = problem.settings.independent_share;
   const std::vector<double> scales = SmoothTorques::scales();
   std::optional<double> square_before;
@@ -143,27 +186,32 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
     if (discrepancy.curves.empty() || discrepancy.evidence <= 0.0) continue;
     // Which of the variable's functions, and how large it may be, by the columns; that one is fitted.
     Promise least;
-    SmoothFunction best;
-    Widened at;
+    FittedLaw law;
     for (SmoothFunction& function : smooth.functions_of(discrepancy.variable)) {
       const Eigen::MatrixXd columns = smooth.columns(problem, function);
-      Widened widened{fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols())};
-      widened.columns << fit.columns, columns;
-      const ByOwnNoise plain = by_nominal_noise(widened);
-      const Promise promise = best_of(for_every_scale(problem, widened, residual_power, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
+      FittedLaw begun{std::move(function), 0.0, fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols())};
+      begun.columns << fit.columns, columns;
+      const ByOwnNoise plain = by_nominal_noise(begun);
+      const Promise promise = best_of(for_every_scale(problem, begun, residual_power, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
       if (promise.cost >= least.cost) continue;
       least = promise;
-      best = std::move(function);
-      at = std::move(widened);
+      law = std::move(begun);
+      law.rho = scales[least.law];
     }
-    if (best.blocks.empty()) continue;  // none has a finite promise
-    fit_law(problem, smooth, best, scales[least.law], at);
+    if (law.function.blocks.empty()) continue;  // none has a finite promise
+    settle(problem, smooth, law);
+    if (elsewhere != nullptr && elsewhere->function.variable == discrepancy.variable && fit.point.effects.empty()) {
+      FittedLaw other = alone(problem, smooth, *elsewhere);
+      settle(problem, smooth, other);
+      if (cost_of(problem, other) < cost_of(problem, law)) law = std::move(other);
+    }
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
-    const ByOwnNoise by_noise = by_own_noise(problem, at.point, at.difference, at.columns, evidence.discrepancy_count);
-    for (UnknownLaw& law : for_every_scale(problem, at, residual_power + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(at).gram, false, prior_besides, misfit_cost, floor)) {
-      law.variable = discrepancy.variable;
-      laws.push_back(std::move(law));
+    const ByOwnNoise by_noise = by_own_noise(problem, law.point, law.difference, law.columns, evidence.discrepancy_count);
+    for (UnknownLaw& one : for_every_scale(problem, law, residual_power + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(law).gram, false, prior_besides, misfit_cost, floor)) {
+      one.variable = discrepancy.variable;
+      laws.of_every_size.push_back(std::move(one));
     }
+    if (!laws.best || cost_of(problem, law) < cost_of(problem, *laws.best)) laws.best = std::move(law);
   }
   return laws;
 }

@@ -70,18 +70,22 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   constexpr double kVariables = 4.0;
   const EvidenceSettings& evidence = compared.evidence;
   const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
-  std::vector<std::vector<UnknownLaw>> laws(beside.size() + 1);
-  share_out(problem, laws.size(), [&](std::size_t k) {
-    const FitResult& fit = k == 0 ? found.nothing : found.fits[beside[k - 1]];
-    const double residual_power = k == 0 ? compared.of_nothing.residual_power : compared.of_fits[beside[k - 1]].residual_power;
-    laws[k] = unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
-  });
+  std::vector<UnknownLaws> laws(beside.size() + 1);
+  const auto laws_beside = [&](const FitResult& fit, double residual_power, const FittedLaw* elsewhere) {
+    return unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor, elsewhere);
+  };
+  share_out(problem, beside.size(), [&](std::size_t k) { laws[k + 1] = laws_beside(found.fits[beside[k]], compared.of_fits[beside[k]].residual_power, nullptr); });
+  const FittedLaw* best = nullptr;
+  for (const UnknownLaws& one : laws) {
+    if (one.best && (best == nullptr || one.best->difference.squaredNorm() < best->difference.squaredNorm())) best = &*one.best;
+  }
+  laws.front() = laws_beside(found.nothing, compared.of_nothing.residual_power, best);
   const std::size_t known = candidates.size();
   const double singles = std::max(1.0, static_cast<double>(effect_count)), each = kSmooth / (kVariables * static_cast<double>(SmoothTorques::scales().size()));
   std::vector<std::size_t> added_to;  // which of the known candidates each belongs to; 0: none
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const std::size_t owner = k == 0 ? 0 : beside[k - 1] + 1;
-    for (UnknownLaw& law : laws[k]) {
+    for (UnknownLaw& law : laws[k].of_every_size) {
       candidates.push_back({candidates[owner].effects, law.residual_power, law.prior, std::move(law.information), candidates[owner].at_bounds});
       Candidate& candidate = candidates.back();
       candidate.laws = candidates[owner].laws + 1;

@@ -68,23 +68,6 @@ void find_middle(const PlantState& state, int group_count, const EffectMoment& n
   m.rope_force = ahead(now.rope_force, before.rope_force);
 }
 
-// Before the run starts the load hangs where steady forces (heel, wind) hold it.
-void hang_load(Machine& machine) {
-  const PlantModel& model = machine.model;
-  if (machine.force.empty()) return;
-  EffectMoment rest;
-  rest.step = model.step;
-  PortForces& ports = machine.steady;
-  for (const std::size_t i : machine.force) EffectHandle(machine.effects[i])->force(rest, ports);  // a copy's: the run has not begun
-  if (!model.has_load || (ports.load_force == 0.0 && ports.rod_moment == 0.0)) return;
-  const Eigen::Matrix2d& stiffness = model.load.stiffness;
-  const Eigen::Vector2d place(ports.load_force / stiffness(0, 0),
-                              stiffness(1, 1) > 0.0 ? ports.rod_moment / stiffness(1, 1) : 0.0);
-  const Eigen::Vector2d q = model.load.modes.transpose() * (model.load.mass * place);
-  machine.state.load_q = {q(0), q(1)};
-  refresh(model, machine.state);
-}
-
 const EffectDescription& described(const std::string& name) {
   const EffectDescription* description = find_effect(name);
   if (description == nullptr) throw std::invalid_argument("no effect is called " + name);
@@ -184,7 +167,7 @@ Machine make_machine(const MachineSettings& settings) {
     const double step = static_cast<double>(change.time) * kNanosecond / settings.step;
     machine.switches.push_back({std::llround(step), static_cast<std::size_t>(found - machine.switchable.begin()), change.on});
   }
-  hang_load(machine);
+  rest_under_steady_forces(machine);
   machine.sensed = read(machine.model, machine.state);
   return machine;
 }
@@ -306,6 +289,30 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   if (name.empty() || found == machine.switchable.end()) return false;
   machine.is_on[static_cast<std::size_t>(found - machine.switchable.begin())] = on;
   return true;
+}
+
+void rest_under_steady_forces(Machine& machine) {
+  const PlantModel& model = machine.model;
+  PlantState& state = machine.state;
+  if (machine.force.empty()) return;
+  EffectMoment rest;
+  rest.time = time_of(machine);
+  rest.step = model.step;
+  rest.motor_angle = state.motor_angle;
+  rest.house_angle = state.house_angle;
+  rest.tip_displacement = rest.load_displacement = state.tip_displacement;
+  PortForces& ports = machine.steady;
+  const auto hangs_aslant = [&] { return ports.load_force != 0.0 || ports.rod_moment != 0.0; };
+  const bool hung_aslant = hangs_aslant();
+  ports = {};
+  for (const std::size_t i : machine.force) EffectHandle(machine.effects[i])->force(rest, ports);  // a copy's: the run has not begun
+  if (!model.has_load || (!hung_aslant && !hangs_aslant())) return;
+  const Eigen::Matrix2d& stiffness = model.load.stiffness;
+  const Eigen::Vector2d place(state.tip_displacement + ports.load_force / stiffness(0, 0),
+                              stiffness(1, 1) > 0.0 ? ports.rod_moment / stiffness(1, 1) : 0.0);
+  const Eigen::Vector2d q = model.load.modes.transpose() * (model.load.mass * place);
+  state.load_q = {q(0), q(1)};
+  refresh(model, state);
 }
 
 void begin_effects(Machine& machine, double outwards, double outward_rate) {

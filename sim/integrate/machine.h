@@ -112,6 +112,9 @@ double rope_angle(const Machine& machine);
 // [s] on the clock of effects and motions
 double time_of(const Machine& machine);
 
+// A machine that has not begun yet, its load hanging where the steady forces of its effects (heel, wind) hold it where its house stands: make_machine() has done so at 0.
+void rest_under_steady_forces(Machine& machine);
+
 // Tells its effects that it begins in the motion that its state has; of the load outwards as OutwardSwing says (effects/effect.h) [rad], [rad/s].
 void begin_effects(Machine& machine, double outwards, double outward_rate);
 

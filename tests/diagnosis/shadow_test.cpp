@@ -129,13 +129,13 @@ TEST(Shadow, MoreTorqueAtTheMotorsIsWhatAsMuchMoreFromTheDrivesIs) {
   const Record record = make_record(simulated_log(nominal, bench().controller, kThereAndBack, kDuration, 4), "a", bench().admission);
   const DriveCourse course = drive_course(record, nominal.drive_protection);
   ASSERT_EQ(course.per_point, 1U);
-  std::vector<MotorTorques> torques(3);  // so many are simulated side by side
+  std::vector<MoreTorques> torques(3);  // so many are simulated side by side
   std::vector<DriveCourse> courses(3, course);
   for (std::size_t k = 0; k < torques.size(); ++k) {
     for (std::size_t g = 0; g < 2; ++g) {
       for (std::size_t n = 0; n < record.size(); ++n) {
-        torques[k][g].push_back(static_cast<double>(k) * std::sin(1e-3 * static_cast<double>((g + 1) * n)));  // [Nm]
-        courses[k].motor_torque[g][n] += torques[k][g].back();
+        torques[k].of_group[g].push_back(static_cast<double>(k) * std::sin(1e-3 * static_cast<double>((g + 1) * n)));  // [Nm]
+        courses[k].motor_torque[g][n] += torques[k].of_group[g].back();
       }
     }
   }
