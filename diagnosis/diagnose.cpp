@@ -102,6 +102,15 @@ void add_up(const common::EffectCatalogue& known, Diagnosis& diagnosis) {
   diagnosis.effects = falling(by_effect);
 }
 
+// A cause that does not predict a record that nobody fitted is not the answer, however well it explains those that were: nobody knows what is.
+void give_up_what_is_refuted(Diagnosis& diagnosis) {
+  const bool is_refuted = std::any_of(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const UnseenRecord& one) { return !one.cause.empty() && !one.validation.holds; });
+  if (!is_refuted || !diagnosis.causes.front().validation) return;
+  diagnosis.refuted = diagnosis.causes.front().probability;
+  diagnosis.probability_unknown += std::exchange(diagnosis.causes.front().probability, 0.0);
+  sort_causes(diagnosis.causes);
+}
+
 // The answer in one line.
 void name_answer(const Cause& first, Diagnosis& diagnosis) {
   diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing + diagnosis.probability_hidden < 0.5;
@@ -307,6 +316,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
   const common::EffectCatalogue known = joined(problem.catalogue, of_the_controller);
   const bool is_nothing_left = rank(problem, whitening, controller, of_the_controller, searched, std::move(weighed), settings, evidence, tell, diagnosis);
+  sort_causes(diagnosis.causes);
+  if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
+  const Cause* const lead = diagnosis.causes.empty() || diagnosis.causes.front().effects.empty() || diagnosis.probability_unknown > diagnosis.causes.front().probability ? nullptr : &diagnosis.causes.front();
+  diagnosis.unseen = judge_unseen(problem, whitening, controller, found.nothing.point, lead, std::move(unseen), diagnosis.remarks);
+  give_up_what_is_refuted(diagnosis);
   add_up(known, diagnosis);
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
@@ -318,10 +332,6 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     diagnosis.discrepancies = is_fitted ? smooth.of_residual(problem, *left, evidence.law_share) : discrepancies(problem, *left, smooth, evidence.law_share);
     if (is_fitted && is_nothing_left) remark_below_the_noise(diagnosis);
   }
-  if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
-  std::optional<Point> predicting;
-  if (!diagnosis.is_unknown) predicting = fitted_part(problem.catalogue, first.point);
-  diagnosis.unseen = judge_unseen(problem, whitening, controller, found.nothing.point, predicting, std::move(unseen), diagnosis.remarks);
   for (const common::EffectInstance& one : diagnosis.of_every_machine) {
     diagnosis.remarks.push_back(fmt::format("the records show {} ({}), which every machine has and a linear model leaves out: taken as a part of this one, no cause", one.name,
                                             known.at(one.name).physics));

@@ -60,6 +60,7 @@ struct Diagnosis {
   std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named
   Followed followed;
   std::vector<UnseenRecord> unseen;      // of the records that were given to be predicted alone
+  std::optional<double> refuted;         // the probability that the first cause had, which does not predict one of these, and which "unknown" has now
   std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;
   double simulation_seconds = 0.0;  // in them, summed over the threads

@@ -306,6 +306,7 @@ std::vector<DiscrepancyCurve> curves_of(const Quantity& quantity, const std::vec
   for (const Block* block : blocks) {
     DiscrepancyCurve curve;
     curve.part = quantity.parts[block->part].name;
+    if (quantity.parts[block->part].is_on_house) curve.part += ", on the house";
     if (quantity.is_of_each_record && records > 1) curve.part += ", record " + std::to_string(block->record + 1);
     const int segments = quantity.parts[block->part].segments;
     const int steps = kPointsInSegment * std::max(1, segments);

@@ -30,7 +30,7 @@ namespace slewlab::diagnosis {
 
 // f_i over the values that the records have of v.
 struct DiscrepancyCurve {
-  std::string part;               // forward, backward, with the torque; of the time with the record's number
+  std::string part;               // forward, backward, with the torque; where it acts on the house; of the time with the record's number
   std::vector<double> at;         // in the variable's unit
   std::vector<double> torque;     // [Nm per motor] that the machine has and the model has not
   std::vector<double> deviation;  // [Nm per motor] one standard deviation

@@ -7,6 +7,7 @@
 
 #include "controller/controller.h"
 #include "diagnosis/problem.h"
+#include "diagnosis/cause.h"
 #include "diagnosis/record.h"
 #include "diagnosis/validate.h"
 #include "diagnosis/whitening.h"
@@ -16,13 +17,14 @@ namespace slewlab::diagnosis {
 // How the answer predicts a record that no fit has seen.
 struct UnseenRecord {
   std::string record;
-  Validation validation;  // of the first cause; where nothing is missing or no known effect is the answer, of parameters alone
+  std::string cause;      // that was tried, by name; empty where nothing is missing or no known effect is the answer: parameters alone
+  Validation validation;
   double nominal_torque = 0.0, parameters_torque = 0.0, cause_torque = 0.0;  // [Nm per motor] RMS of the missing torque
 };
 
-// `answer` is the machine of the first cause; nothing where it is no known effect: then parameters alone, from where `parameters_of_all` has them, predict in its place. A record that is not admitted is told in `remarks`.
+// `lead` is the first cause; nothing where it is no known effect: then parameters alone, from where `parameters_of_all` has them, predict in its place. A record that is not admitted is told in `remarks`.
 // Throws Interrupted.
 std::vector<UnseenRecord> judge_unseen(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const Point& parameters_of_all,
-                                       const std::optional<Point>& answer, std::vector<Record> unseen, std::vector<std::string>& remarks);
+                                       const Cause* lead, std::vector<Record> unseen, std::vector<std::string>& remarks);
 
 }  // namespace slewlab::diagnosis

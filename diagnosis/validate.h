@@ -60,6 +60,7 @@ struct Validation {
   ValidationError nominal, parameters, cause;
   std::optional<double> unknown_cost;  // of a power that nobody knows in the stochastic effects' place; nothing where the cause has none
   bool holds = false;  // the cause predicts better than either
+  bool is_said_by_parameters = false;  // its effects are parameters grown beyond what they differ by
 };
 
 // Whether a simulation with the effect at its size is the machine's motion: not read off a record, not one draw of many.

@@ -67,6 +67,7 @@ std::optional<HeldOut> validate_lead(Problem& problem, const WhiteningSettings& 
     } else {
       validation.cause = together(validation.cause, parts[1].error(fitted[1], with));
     }
+    validation.is_said_by_parameters = is_said_by_parameters;
     validation.holds = holds(validation, is_said_by_parameters);
     lead.validation = validation;
     if (validation.holds) {

@@ -755,6 +755,37 @@ TEST(Diagnose, FindsARollOfAnyPeriod) {
   EXPECT_NEAR(found.causes[0].sizes[1].value, 8.05, 0.05 * 8.05);
 }
 
+// A cause that explains the records that were fitted, and not the one that nobody fitted, is not the answer: on another day the bearing runs freely.
+TEST(Diagnose, GivesUpACauseThatAnUnseenRecordRefutes) {
+  sim::MachineSettings nominal, dragging;
+  nominal.crane = dragging.crane = bench().crane;
+  dragging.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  DiagnosisSettings settings;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    if (about.name != "bearing_coulomb") settings.without.emplace_back(about.name);
+  }
+  const auto record = [](const sim::MachineSettings& machine, const std::vector<Move>& moves, const char* name, unsigned seed) {
+    return make_record(simulated_log(machine, bench().controller, moves, kDuration, seed), name, bench().admission);
+  };
+  const auto found_with = [&](Record unseen) {
+    std::vector<Record> fitted, tried;
+    fitted.push_back(record(dragging, kThereAndBack, "a", 51));
+    fitted.push_back(record(dragging, kInching, "b", 52));
+    tried.push_back(std::move(unseen));
+    return diagnose(nominal, bench().controller, std::move(fitted), settings, {}, {}, std::move(tried));
+  };
+  const Diagnosis same = found_with(record(dragging, kThereAndBack, "c", 53)), other = found_with(record(nominal, kThereAndBack, "c", 53));
+  EXPECT_EQ(same.verdict, "bearing_coulomb");
+  EXPECT_FALSE(same.refuted);
+  ASSERT_EQ(other.unseen.size(), 1U);
+  EXPECT_EQ(other.unseen.front().cause, "bearing_coulomb");
+  EXPECT_FALSE(other.unseen.front().validation.holds);
+  ASSERT_TRUE(other.refuted);
+  EXPECT_EQ(*other.refuted, same.causes.front().probability);
+  EXPECT_TRUE(other.is_unknown);
+  EXPECT_NEAR(other.probability_unknown, same.probability_unknown + *other.refuted, 1e-12);
+}
+
 // One log full of impacts tells nothing, and must not keep the other one from being judged; where there is no other, no answer.
 // The knocking comes of commands that are 60 ms late on one day: the speed loop then swings from flank to flank all the time.
 TEST(Diagnose, LeavesOutALogThatLiesNearImpacts) {

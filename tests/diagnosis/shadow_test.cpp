@@ -157,6 +157,41 @@ TEST(Shadow, MoreTorqueAtTheMotorsIsWhatAsMuchMoreFromTheDrivesIs) {
   EXPECT_GT(largest, 0.5) << "[Nm] of two";
 }
 
+// A constant torque on the house is what the effect of that name is, from the first moment on, at which the gears that hold it are wound up. One that comes and goes winds them up and
+// lets them go, as it does not at the motors.
+TEST(Shadow, MoreTorqueOnTheHouseIsWhatPushesIt) {
+  constexpr double kTorque = 1.5e5;  // [Nm]
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  sim::MachineSettings pushed = nominal;
+  pushed.effects = {{"torque_offset", {kTorque}}};
+  Record record = make_record(simulated_log(pushed, bench().controller, {{22.0, 0.5}, {30.0, 0.0}}, 42.0, 5), "a", bench().admission);
+  leave_out_beginning(record, 20000);
+  record.begins_on_flanks = true;
+  MoreTorques torques;
+  torques.is_on_house = true;
+  const Follower follower = follower_of(nominal, grid_of(record));
+  for (std::size_t g = 0; g < 2; ++g) torques.of_group[g].assign(record.size(), 0.5 * kTorque / follower.to_slew_axis);
+  const DriveCourse course = drive_course(record, nominal.drive_protection);
+  Shadow by_effect, by_torque, on_house, at_motors;
+  shadow({{follower_of(pushed, grid_of(record)), 0.0, {}, &by_effect, nullptr}}, record, course, bench_gains());
+  shadow({{follower, 0.0, {}, &by_torque, &torques}}, record, course, bench_gains());
+  for (std::size_t g = 0; g < 2; ++g) {
+    for (std::size_t n = 0; n < record.size(); ++n) torques.of_group[g][n] *= std::sin(3.0 * record.step * static_cast<double>(n));
+  }
+  shadow({{follower, 0.0, {}, &on_house, &torques}}, record, course, bench_gains());
+  torques.is_on_house = false;
+  shadow({{follower, 0.0, {}, &at_motors, &torques}}, record, course, bench_gains());
+  double largest = 0.0, apart = 0.0;
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    ASSERT_NEAR(by_torque.missing_torque[0][n], by_effect.missing_torque[0][n], 1e-7) << n;
+    largest = std::max(largest, std::fabs(by_effect.missing_torque[0][n]));
+    apart = std::max(apart, std::fabs(at_motors.missing_torque[0][n] - on_house.missing_torque[0][n]));
+  }
+  EXPECT_GT(apart, 0.5) << "[Nm] while the house moves in its gears";
+  EXPECT_LT(largest, 20.0) << "[Nm]: it begins as it stands";
+}
+
 // A crane on a slope, its drives on and its gears pressed since 40 s: boom and load hang as the slope has them, and so does the machine that is asked for it. One that begins unbent rings for half a minute.
 TEST(Shadow, AMachineThatStandsOnASlopeBeginsBent) {
   constexpr double kSlope = 0.015;  // [rad]

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,15 +27,20 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   for (msgs::Torque& torque : foreign.torque) {
     for (double& one : torque.motor_torque) one *= kOfAnotherCrane;
   }
-  const auto judged = [&](const std::optional<Point>& answer, const msgs::RunLog& log, std::vector<std::string>& remarks) {
+  const auto judged = [&](const Cause* lead, const msgs::RunLog& log, std::vector<std::string>& remarks) {
     std::vector<Record> unseen;
     unseen.push_back(make_record(log, "unseen", bench().admission));
-    return judge_unseen(problem, problem.thresholds.whitening, bench().controller, parameters.point, answer, std::move(unseen), remarks);
+    return judge_unseen(problem, problem.thresholds.whitening, bench().controller, parameters.point, lead, std::move(unseen), remarks);
   };
   std::vector<std::string> remarks;
-  const std::vector<UnseenRecord> by_cause = judged(Point{{}, truth.effects, 0}, inching, remarks), by_parameters = judged({}, inching, remarks);
+  Cause lead;
+  lead.effects = {"bearing_coulomb"};
+  lead.point.effects = truth.effects;
+  const std::vector<UnseenRecord> by_cause = judged(&lead, inching, remarks), by_parameters = judged(nullptr, inching, remarks);
   ASSERT_EQ(by_cause.size(), 1U);
   EXPECT_EQ(by_cause[0].record, "unseen");
+  EXPECT_EQ(by_cause[0].cause, "bearing_coulomb");
+  EXPECT_EQ(by_parameters[0].cause, "");
   EXPECT_TRUE(by_cause[0].validation.holds);
   EXPECT_LT(by_cause[0].validation.cause.residual_ratio, 1.2);  // of noise
   EXPECT_GT(by_cause[0].validation.parameters.residual_ratio, 2.0);
@@ -48,7 +52,7 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   EXPECT_EQ(by_parameters[0].cause_torque, by_parameters[0].parameters_torque);
   const auto is_told = [&] { return std::any_of(remarks.begin(), remarks.end(), [](const std::string& remark) { return remark.find("unseen could not be predicted") != std::string::npos; }); };
   EXPECT_FALSE(is_told());
-  EXPECT_TRUE(judged({}, foreign, remarks).empty());
+  EXPECT_TRUE(judged(nullptr, foreign, remarks).empty());
   EXPECT_TRUE(is_told());
 }
 

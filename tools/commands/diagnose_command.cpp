@@ -143,14 +143,17 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
                          100 * diagnosis.probability_unknown);
     }
     const std::string followed = followed_text(diagnosis);
-    return fmt::format("Outside the catalogue (unknown), {:.0f} %: no known effect explains the gap on data that were not fitted; the missing torque {}.",
-                       100 * diagnosis.probability_unknown,
+    std::string why = "no known effect explains the gap on data that were not fitted";
+    if (diagnosis.refuted) {
+      const diagnosis::UnseenRecord& failed = *std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
+      why = fmt::format("{}, {:.0f} % by the records that were fitted, does not predict {} better than the nominal machine and parameters alone do", failed.cause, 100 * *diagnosis.refuted, failed.record);
+    }
+    return fmt::format("Outside the catalogue (unknown), {:.0f} %: {}; the missing torque {}.",
+                       100 * diagnosis.probability_unknown, why,
                        followed.empty() ? "follows neither speed nor angle, time or torque: look behind the motors, and at what is faster" : followed);
   }
   const Cause& first = diagnosis.causes.front();
-  const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
-  const bool is_refuted = failed != diagnosis.unseen.end() && first.validation;
-  std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure || is_refuted ? "Not sure: " : "", told_name(first), 100 * diagnosis.lead_acts);
+  std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure ? "Not sure: " : "", told_name(first), 100 * diagnosis.lead_acts);
   if (!first.also.empty()) text += ", one motion for these records";
   if (diagnosis.lead_acts - first.probability > kWorthNaming) text += fmt::format(" ({:.0f} % alone, the rest beside what these records may hide)", 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
@@ -166,7 +169,6 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     const std::string followed = followed_text(diagnosis);
     if (left > kWorthFollowing && !followed.empty()) text += "; the rest " + followed;
   }
-  if (is_refuted) text += fmt::format("; but it does not predict {} better than the nominal machine and parameters alone do", failed->record);
   if (!first.group.empty()) text += "; these records cannot tell it from " + first.group.front().name + (first.group.size() > 1 ? " and others" : "");
   return text + ".";
 }
@@ -220,7 +222,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
   }
   for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause, diagnosis.nuisances.parameters));
   for (const diagnosis::UnseenRecord& one : diagnosis.unseen) {
-    json["unseen"].push_back({{"log", one.record}, {"validation", to_json(one.validation)},
+    json["unseen"].push_back({{"log", one.record}, {"cause", one.cause}, {"validation", to_json(one.validation)},
                               {"missing_torque_rms_nm", {{"nominal", one.nominal_torque}, {"parameters", one.parameters_torque}, {"cause", one.cause_torque}}}});
   }
   return json;
@@ -301,12 +303,12 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 }
 
 // Of a record that had no part in the answer.
-std::string unseen_text(const diagnosis::UnseenRecord& one, const Diagnosis& diagnosis) {
+std::string unseen_text(const diagnosis::UnseenRecord& one) {
   const diagnosis::Validation& validation = one.validation;
-  const bool has_cause = !diagnosis.is_unknown && !diagnosis.causes.empty() && diagnosis.causes.front().validation;  // else it has no fit of the machine
+  const bool has_cause = !one.cause.empty();
   const auto line = [&](const char* what, double nominal, double parameters, double cause, const char* unit) {
     std::string text = fmt::format("  {:24} nominal {:.4g}, best parameters {:.4g}", what, nominal, parameters);
-    if (has_cause) text += fmt::format(", with {} {:.4g}", name_of(diagnosis.causes.front()), cause);
+    if (has_cause) text += fmt::format(", with {} {:.4g}", one.cause, cause);
     return text + unit + "\n";
   };
   std::string text = fmt::format("\nValidation on {} (had no part in the answer)\n", one.record);
@@ -316,7 +318,7 @@ std::string unseen_text(const diagnosis::UnseenRecord& one, const Diagnosis& dia
     text += line("relative error, closed loop", *validation.nominal.closed_loop, *validation.parameters.closed_loop, *validation.cause.closed_loop, "");
   }
   if (has_cause) text += validation.holds ? "  the cause predicts it better than the nominal machine and than parameters alone\n"
-                                          : "  the cause does not predict it better than the nominal machine and parameters alone: do not rely on it\n";
+                                          : "  the cause does not predict it better than the nominal machine and parameters alone: it is not the answer\n";
   return text;
 }
 
@@ -404,7 +406,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
     out << fmt::format("  {:24} {:10.4g}", before.signal, before.gap) << (has_cause ? fmt::format(" -> {:10.4g}", after.gap) : "") << " " << before.unit << "\n";
   }
-  for (const diagnosis::UnseenRecord& one : diagnosis.unseen) out << unseen_text(one, diagnosis);
+  for (const diagnosis::UnseenRecord& one : diagnosis.unseen) out << unseen_text(one);
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
     out << fmt::format("\nNot identifiable from these records, because no size that was tried changes them enough: {}\n", fmt::join(diagnosis.not_excited, ", "));

@@ -3,7 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/integrate/machine.h"
+#include "sim/machine/effect_scales.h"
 #include "tests/sim/effects/effect_bench.h"
+#include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
@@ -15,6 +18,19 @@ TEST(Heel, LoadHangsAlongGravity) {
   EXPECT_NEAR(samples.back().rope_angle, std::sin(kAngle), 1e-9);
   EXPECT_NEAR(samples.back().load_velocity, 0.0, 1e-9);
   EXPECT_NEAR(samples.back().readings.tip_acceleration, -9.81 * std::sin(kAngle), 1e-9);
+}
+
+// Turned by hand before the run, the load hangs as gravity has it at that angle of the house, or straight where the boom points downhill.
+TEST(Heel, LoadOfAMachineThatIsTurnedHangsAlongGravityThere) {
+  constexpr double kAngle = 0.02, kDirection = std::numbers::pi / 2.0;
+  for (const double turned : {0.5, kDirection}) {
+    Machine machine = make_machine({.crane = pendulum(), .effects = {{"heel", {kAngle, kDirection}}}, .scales = effect_scales(thesis_crane())});
+    machine.state.q[0] = turned / machine.model.house[0];
+    machine.state.motor_angle.fill(turned);
+    refresh(machine.model, machine.state);
+    rest_under_steady_forces(machine);
+    EXPECT_NEAR(rope_angle(machine), std::sin(kAngle) * std::sin(kDirection - turned), 1e-9);
+  }
 }
 
 // A rigid boom is pushed downhill by its weight at its centre's radius.
