@@ -190,6 +190,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"probability_nothing_missing", diagnosis.probability_nothing},
                       {"probability_hidden", diagnosis.probability_hidden},
                       {"probability_unknown", diagnosis.probability_unknown},
+                      {"probability_refuted", diagnosis.refuted.value_or(0.0)},  // what of that a cause had which an unseen log refutes
                       {"simulations", diagnosis.simulations},
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
