@@ -84,6 +84,9 @@ class DeskTest(unittest.TestCase):
             page.until("desk.spectrumChart")
             page.until("(() => { const [f, tip] = desk.spectrumChart.plot.data, at = (x) => tip[f.findIndex((each) => each >= x)];"
                        " return at(1.3) > 10 * at(0.6) && at(5.2) > 10 * at(9); })()")
+            # Modes that the axis does not show are named beside it.
+            self.assertRegex(page.value("desk.spectrumChart.legend.innerText"), r"off the axis: load 1 0\.07")
+            self.assertNotIn("bending 1", page.value("desk.spectrumChart.legend.innerText"))
             # The run's messages say: -50 N m of 250 before the stop at 10 s in group 2, 30 N m behind it; a request of 1 from 2 s on.
             for time, torque, request in ((1.0, -20.0, "0 %"), (5.0, -20.0, "100 %"), (15.0, 12.0, "100 %, emergency stop")):
                 page.value(f"document.getElementById('scrub').value = {time}, "

@@ -91,6 +91,6 @@ def write_run(folder, rated_torque=250.0, play_compensation=True, events=None):
     (folder / "run.json").write_text(json.dumps({
         "rated_torque": rated_torque, "total_ratio": 2000.0, "top_speed": 0.05,
         "play_compensation": play_compensation, "simulated_time": 20.0, "wall_time": 2.0,
-        "modes": [{"name": "bending 1", "frequency": 1.3, "damping_ratio": 0.01}],
+        "modes": [{"name": "load 1", "frequency": 0.074, "damping_ratio": 0.006}, {"name": "bending 1", "frequency": 1.3, "damping_ratio": 0.01}],
     }))
     return folder

@@ -4,6 +4,7 @@
 
 const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
 const DECADES = [3, 1];  // of a spectrum that are shown below and above the decade of its peak; the modes' names stand above it
+const SPECTRUM_AXIS = [0.1, 100];  // [Hz]
 const MARK_SPACING = 12;  // [px] that the names of two modes need
 
 function colour(name) {
@@ -46,6 +47,13 @@ class Chart {
       this.legend.append(item);
       return value;
     });
+    const isOff = (mark) => mark.at < SPECTRUM_AXIS[0] || mark.at > SPECTRUM_AXIS[1];
+    const off = description.isSpectrum ? (description.marks ?? []).filter(isOff).map((mark) => mark.label) : [];
+    if (off.length) {
+      const note = document.createElement("span");
+      note.textContent = `off the axis: ${off.join(", ")}`;
+      this.legend.append(note);
+    }
     this.place = document.createElement("div");
     this.place.className = "plot";
     this.element.append(heading, this.legend, this.place);
@@ -59,7 +67,7 @@ class Chart {
     const unitAlong = this.description.isSpectrum ? "Hz" : "s";
     const options = {
       width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
-      scales: {x: this.description.isSpectrum ? {distr: 3, range: [0.1, 100]} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
+      scales: {x: this.description.isSpectrum ? {distr: 3, range: SPECTRUM_AXIS} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : `${+tick.toPrecision(9)} ${unitAlong}`)},
              {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
       series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
