@@ -8,6 +8,8 @@
 #include <numbers>
 #include <optional>
 
+#include "diagnosis/quiet_beginnings.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
@@ -432,6 +434,13 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   if (within.nuisance != best.point.nuisance) {
     FitResult again = fit_at(problem, std::move(within));
+    forget_columns(problem, again);
+    settle_nuisances(problem, again);
+    if (again.cost < best.cost) best = std::move(again);
+  }
+  Point quiet = best.point;
+  if (quieten_beginnings(problem.nuisances, quiet)) {
+    FitResult again = fit_at(problem, std::move(quiet));
     forget_columns(problem, again);
     settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
