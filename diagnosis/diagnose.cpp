@@ -316,9 +316,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
   const common::EffectCatalogue known = joined(problem.catalogue, of_the_controller);
   const bool is_nothing_left = rank(problem, whitening, controller, of_the_controller, searched, std::move(weighed), settings, evidence, tell, diagnosis);
-  sort_causes(diagnosis.causes);
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
-  const Cause* const lead = diagnosis.causes.empty() || diagnosis.causes.front().effects.empty() || diagnosis.probability_unknown > diagnosis.causes.front().probability ? nullptr : &diagnosis.causes.front();
+  const Cause* const lead = diagnosis.causes.empty() || diagnosis.probability_unknown > diagnosis.causes.front().probability ? nullptr : &diagnosis.causes.front();
   diagnosis.unseen = judge_unseen(problem, whitening, controller, found.nothing.point, lead, std::move(unseen), diagnosis.remarks);
   give_up_what_is_refuted(diagnosis);
   add_up(known, diagnosis);

@@ -427,24 +427,20 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   try_from_afar(std::nullopt);
   FitResult& best = *best_yet;
+  const auto begin_again = [&](Point start) {
+    FitResult again = fit_at(problem, std::move(start));
+    forget_columns(problem, again);
+    settle_nuisances(problem, again);
+    if (again.cost < best.cost) best = std::move(again);
+  };
   // Parameters that ended at the bounds of their spread may have gone there on the way and not come back.
   Point within = best.point;
   for (std::size_t k = 0; k < problem.nuisances.parameters.size(); ++k) {
     if (std::fabs(within.nuisance[k]) > kAtTheBound) within.nuisance[k] = 0.0;
   }
-  if (within.nuisance != best.point.nuisance) {
-    FitResult again = fit_at(problem, std::move(within));
-    forget_columns(problem, again);
-    settle_nuisances(problem, again);
-    if (again.cost < best.cost) best = std::move(again);
-  }
+  if (within.nuisance != best.point.nuisance) begin_again(std::move(within));
   Point quiet = best.point;
-  if (quieten_beginnings(problem.nuisances, quiet)) {
-    FitResult again = fit_at(problem, std::move(quiet));
-    forget_columns(problem, again);
-    settle_nuisances(problem, again);
-    if (again.cost < best.cost) best = std::move(again);
-  }
+  if (quieten_beginnings(problem.nuisances, quiet)) begin_again(std::move(quiet));
   // Parameters that went along with a beginning that was not found yet do not come back from there either, once it is.
   if (mean_square(best.difference) > 1.0) {
     std::optional<FitResult> begun = nominal_with_beginnings(problem, best);
