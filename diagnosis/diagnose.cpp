@@ -188,11 +188,14 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   const bool is_nothing_left = found.nothing.mean_square <= 1.0 && are_parameters_likely && is_machine_all;
   if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   doubt_what_no_machine_has(problem.catalogue, problem.nuisances, is_nominal_enough, is_nothing_left, ranking, diagnosis.remarks);
-  if (settings.hold_out && !ranking.causes.empty()) {
-    tell(kHoldOut.from, "fitting without the last record");
-    diagnosis.held_out = validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, ranking, diagnosis.remarks);
+  const auto validate = [&] {
+    if (!settings.hold_out || ranking.causes.empty()) return;
+    std::optional<HeldOut> held_out = validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, ranking, diagnosis.remarks);
+    if (held_out) diagnosis.held_out = std::move(held_out);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
-  }
+  };
+  tell(kHoldOut.from, "fitting without the last record");
+  validate();
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
@@ -200,6 +203,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   if (controller && !diagnosis.has_controller) {
     leave_room_for_the_controller(of_the_controller.effects.size(), problem.catalogue.effects.size() + of_the_controller.effects.size(), evidence, ranking);
   }
+  validate();  // whatever leads now may have been asked nothing yet
   calibrate_lead(ranking);
   sort_causes(ranking.causes);
   const Hidden hidden = hidden_effects(problem.catalogue, searched.screening.tried, static_cast<int>(searched.screening.names.size()), evidence);

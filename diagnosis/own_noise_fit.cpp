@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kRoundsEach = 4, kMoreRounds = 10;  // at most, from each start, and of the best of them; chosen
 constexpr double kOffTheCentre = 1.5;              // deviations of its prior, by which a shape is moved; chosen
+constexpr double kFarAbove = 10.0;                 // times the noise, above which a residual is hardly bent by what the noise is; chosen
 
 bool is_another(double noise, double than) { return std::fabs(noise - than) > kNoise; }
 
@@ -29,7 +30,8 @@ std::optional<double> noise_of(const Problem& problem, const Point& point) {
   }
 }
 
-// With nominal parameters: its effects as they are, and with each of the shapes that change the noise moved to either side of its centre. None where neither changes it.
+// With nominal parameters: its effects as they are, and with each of the shapes that change the noise moved to either side of its centre. None where neither changes it,
+// or where the residual lies far above the noise of them all.
 std::vector<Point> starts_of(const Problem& problem, const FitResult& fitted) {
   Point nominal = fitted.point;
   std::fill(nominal.nuisance.begin(), nominal.nuisance.end(), 0.0);
@@ -37,6 +39,7 @@ std::vector<Point> starts_of(const Problem& problem, const FitResult& fitted) {
   std::vector<Point> starts;
   if (!noise) return starts;
   bool is_other_noise = is_another(*noise, 1.0);
+  double largest = std::max(1.0, *noise);
   for (std::size_t e = 0; e < nominal.effects.size(); ++e) {
     const std::vector<common::EffectParameter>& parameters = problem.catalogue.at(nominal.effects[e].name).parameters;
     for (std::size_t p = 0; p < parameters.size(); ++p) {
@@ -47,10 +50,12 @@ std::vector<Point> starts_of(const Problem& problem, const FitResult& fitted) {
         const std::optional<double> there = noise_of(problem, start);
         if (!there || !is_another(*there, *noise)) continue;
         is_other_noise = true;
+        largest = std::max(largest, *there);
         starts.push_back(std::move(start));
       }
     }
   }
+  if (mean_square(fitted.difference) > kFarAbove * largest) return {};
   if (is_other_noise) starts.push_back(std::move(nominal));
   return starts;
 }

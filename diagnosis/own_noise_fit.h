@@ -7,6 +7,7 @@
 //   s (z* V(machine)^-1 z - n) + priors  as small as it can be
 //
 // from where the fit stands, and from the nominal parameters with its shapes where they are and off their centres: by the nominal machine's noise the other valleys cannot be seen.
+// Not where the residual lies far above the noise of all these: what bends such a fit is not the noise.
 #pragma once
 
 #include <vector>

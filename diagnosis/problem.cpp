@@ -237,8 +237,8 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   return std::move(differences_under(problem, {&point, 1}, {}).front());
 }
 
-std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MoreTorques>> torques) {
-  return differences_under(problem, std::vector<Point>(torques.size(), point), torques);
+std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
+  return differences_under(problem, points, torques);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}); }

@@ -150,8 +150,8 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
-// The same at one point under more torques at the motors, those of each record, once for each of `torques`.
-std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MoreTorques>> torques);
+// The same, each point under more torques of its own, those of each record.
+std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques);
 
 // Where the differences of each record begin, and where the last ones end.
 std::vector<Eigen::Index> first_rows(const Problem& problem);

@@ -127,7 +127,7 @@ void look_for_other_times(Problem& problem, FitResult& fitted) {
       std::rotate(start.effects.begin() + which, start.effects.end() - 1, start.effects.end());
       FitResult other = fit(problem, from.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), start);
       settle_from_afar(problem, other, 1.0, kRounds);
-      settle(problem, other, kRounds);
+      settle(problem, other, kRounds, best.cost);
       if (other.cost < best.cost) best = std::move(other);
     }
     return best;

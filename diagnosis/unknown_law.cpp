@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "diagnosis/own_noise.h"
@@ -19,6 +22,7 @@ constexpr int kRounds = 8;                             // in which the misfit's 
 constexpr int kSteps = 6;                              // of a descent, at most; chosen: the fit has settled, and the function is nearly linear
 constexpr int kFresh = 4;                             // times that columns are taken anew, at most
 constexpr double kSettled = 2.0, kSettledShare = 0.01;  // of the cost, that such a round must be worth for another one
+constexpr double kNear = 30.0;                        // cost above the least one that is known, within which a law may still lead: what the densities' widths differ by; chosen
 constexpr double kOpen = 2.0;                         // step of a difference quotient over what the records leave open
 constexpr double kSmallestStep = 0.06, kLargestStep = 0.3;  // of a fit's coordinate [standard deviations]
 constexpr std::array<double, 3> kDampings{0.0, 1.0, 10.0};
@@ -41,10 +45,15 @@ Eigen::VectorXd scale_of(const FittedLaw& at, double rho) {
   return scale;
 }
 
-Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) {
-  const std::array<std::vector<MoreTorques>, 1> torques{smooth.torques(problem, law.function, law.coefficients)};
-  return std::move(differences(problem, law.point, torques).front());
+std::vector<Eigen::VectorXd> differences_under(Problem& problem, const SmoothTorques& smooth, std::span<const FittedLaw> laws) {
+  std::vector<Point> points;
+  for (const FittedLaw& law : laws) points.push_back(law.point);
+  std::vector<std::vector<MoreTorques>> torques(laws.size());
+  share_out(problem, laws.size(), [&](std::size_t i) { torques[i] = smooth.torques(problem, laws[i].function, laws[i].coefficients); });
+  return differences(problem, points, torques);
 }
+
+Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) { return std::move(differences_under(problem, smooth, {&law, 1}).front()); }
 
 double cost_of(const Problem& problem, const FittedLaw& law) {
   return discounted(residual_power(law.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, law.point) + law.coefficients.squaredNorm() / law.rho;
@@ -86,6 +95,28 @@ void descend_from(Problem& problem, const SmoothTorques& smooth, FittedLaw& at) 
   descend(problem_here, cost_of(problem, at), {kSteps, kDampings, kEnough, kEnoughShare});
 }
 
+// Columns in groups of which no two change the same record, as those of how two records begin: each group is one simulation. Those that change nothing are in none.
+std::vector<std::vector<Eigen::Index>> taken_together(const Problem& problem, const Eigen::MatrixXd& columns) {
+  const std::vector<Eigen::Index> rows = first_rows(problem);
+  std::vector<std::vector<Eigen::Index>> groups;
+  std::vector<std::vector<bool>> changed;  // records, by each group
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    std::vector<bool> changes;
+    for (std::size_t r = 0; r + 1 < rows.size(); ++r) changes.push_back(columns.col(i).segment(rows[r], rows[r + 1] - rows[r]).any());
+    if (std::none_of(changes.begin(), changes.end(), std::identity())) continue;
+    const auto overlaps = [&](const std::vector<bool>& with) { return std::inner_product(with.begin(), with.end(), changes.begin(), false, std::logical_or(), std::logical_and()); };
+    const auto free = std::find_if_not(changed.begin(), changed.end(), overlaps);
+    if (free == changed.end()) {
+      groups.push_back({i});
+      changed.push_back(std::move(changes));
+      continue;
+    }
+    groups[static_cast<std::size_t>(free - changed.begin())].push_back(i);
+    std::transform(changes.begin(), changes.end(), free->begin(), free->begin(), std::logical_or());
+  }
+  return groups;
+}
+
 // Difference quotients where the law stands, of the fit's coordinates and of the function's; those that change nothing stay as they are.
 void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at) {
   const Eigen::Index function = at.coefficients.size(), count = at.columns.cols(), own = count - function;
@@ -94,21 +125,35 @@ void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at)
   Eigen::MatrixXd curvature = data_weight(at.difference, problem.settings) * (scale.asDiagonal() * (at.columns.transpose() * at.columns) * scale.asDiagonal());
   curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
   const Eigen::VectorXd open = scale.cwiseProduct(curvature.ldlt().solve(Eigen::MatrixXd::Identity(count, count)).diagonal().cwiseSqrt());
-  share_out(problem, static_cast<std::size_t>(count), [&](std::size_t k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    if (!at.columns.col(i).any()) return;
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(count);
-    change(i) = i < own ? std::clamp(kOpen * open(i), kSmallestStep, kLargestStep) : kOpen * open(i);
-    const FittedLaw there{at.function, at.rho, moved(problem.catalogue, at.point, change.head(own)), at.coefficients + change.tail(function), {}, {}};
-    if (i < own) change.head(own) = step_between(problem.catalogue, at.point, there.point);
-    if (change(i) == 0.0) return;  // at its bound
-    at.columns.col(i) = (difference_under(problem, smooth, there) - at.difference) / change(i);
-  });
+  const std::vector<std::vector<Eigen::Index>> groups = taken_together(problem, at.columns);
+  std::vector<Eigen::VectorXd> changes;
+  std::vector<FittedLaw> laws;
+  for (const std::vector<Eigen::Index>& group : groups) {
+    Eigen::VectorXd& change = changes.emplace_back(Eigen::VectorXd::Zero(count));
+    for (const Eigen::Index i : group) change(i) = i < own ? std::clamp(kOpen * open(i), kSmallestStep, kLargestStep) : kOpen * open(i);
+    laws.push_back({at.function, at.rho, moved(problem.catalogue, at.point, change.head(own)), at.coefficients + change.tail(function), {}, {}});
+    change.head(own) = step_between(problem.catalogue, at.point, laws.back().point);
+  }
+  const std::vector<Eigen::VectorXd> there = differences_under(problem, smooth, laws);
+  const std::vector<Eigen::Index> rows = first_rows(problem);
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const Eigen::VectorXd moved_by = there[k] - at.difference;
+    for (const Eigen::Index i : groups[k]) {
+      if (changes[k](i) == 0.0) continue;  // at its bound
+      for (std::size_t r = 0; r + 1 < rows.size(); ++r) {
+        auto of_record = at.columns.col(i).segment(rows[r], rows[r + 1] - rows[r]);
+        if (of_record.any()) of_record = moved_by.segment(rows[r], rows[r + 1] - rows[r]) / changes[k](i);
+      }
+    }
+  }
 }
 
-// From where it stands, and on with fresh columns as long as they are worth it.
-void settle(Problem& problem, const SmoothTorques& smooth, FittedLaw& law) {
+// From where it stands, and on with fresh columns as long as they are worth it. Not where it would not come down to `reach` if they gave as much again as the columns that it
+// has: most laws are not what is missing.
+void settle(Problem& problem, const SmoothTorques& smooth, FittedLaw& law, double reach) {
+  const double begun = cost_of(problem, law);
   descend_from(problem, smooth, law);
+  if (!would_come_down(begun, cost_of(problem, law), 1, reach)) return;
   for (int fresh = 0; fresh < kFresh; ++fresh) {
     const double before = cost_of(problem, law);
     renew_columns(problem, smooth, law);
@@ -177,7 +222,7 @@ Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evi
 }  // namespace
 
 UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
-                         const MisfitCost& misfit_cost, double floor, const FittedLaw* elsewhere) {
+                         const MisfitCost& misfit_cost, double floor, double least_cost, const FittedLaw* elsewhere) {
   UnknownLaws laws;
   const double prior_besides = fit.prior - prior_cost(problem, fit.point), share = problem.settings.independent_share;
   const std::vector<double> scales = SmoothTorques::scales();
@@ -199,19 +244,23 @@ UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual
       law.rho = scales[least.law];
     }
     if (law.function.blocks.empty()) continue;  // none has a finite promise
-    settle(problem, smooth, law);
+    settle(problem, smooth, law, least_cost + kNear);
     if (elsewhere != nullptr && elsewhere->function.variable == discrepancy.variable && fit.point.effects.empty()) {
       FittedLaw other = alone(problem, smooth, *elsewhere);
-      settle(problem, smooth, other);
+      settle(problem, smooth, other, std::min(least_cost, cost_of(problem, law)) + kNear);
       if (cost_of(problem, other) < cost_of(problem, law)) law = std::move(other);
     }
+    const double cost = cost_of(problem, law);
+    least_cost = std::min(least_cost, cost);
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     const ByOwnNoise by_noise = by_own_noise(problem, law.point, law.difference, law.columns, evidence.discrepancy_count);
     for (UnknownLaw& one : for_every_scale(problem, law, residual_power + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(law).gram, false, prior_besides, misfit_cost, floor)) {
       one.variable = discrepancy.variable;
       laws.of_every_size.push_back(std::move(one));
     }
-    if (!laws.best || cost_of(problem, law) < cost_of(problem, *laws.best)) laws.best = std::move(law);
+    if (cost >= laws.least_cost) continue;
+    laws.least_cost = cost;
+    laws.best = std::move(law);
   }
   return laws;
 }

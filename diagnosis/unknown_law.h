@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,12 +38,14 @@ struct FittedLaw {
 struct UnknownLaws {
   std::vector<UnknownLaw> of_every_size;
   std::optional<FittedLaw> best;  // of all variables
+  double least_cost = std::numeric_limits<double>::infinity();  // that one's
 };
 
 // Beside what a fit has. `residual_power` is that of the fit by which its cause is weighed, `discrepancies` are those that `smooth` tells of the
 // fit's residual. Of a fit without effects the law of one variable is also begun where that variable's law is fitted best beside an effect,
-// `elsewhere`, without the effect: from far off parameters alone lead to valleys of their own. Throws Interrupted.
+// `elsewhere`, without the effect: from far off parameters alone lead to valleys of their own. `least_cost` is that of the best hypothesis that is known: laws that
+// cannot come near it, nor near each other, are left where the columns at hand lead them. Throws Interrupted.
 UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
-                         const MisfitCost& misfit_cost, double floor, const FittedLaw* elsewhere = nullptr);
+                         const MisfitCost& misfit_cost, double floor, double least_cost, const FittedLaw* elsewhere = nullptr);
 
 }  // namespace slewlab::diagnosis

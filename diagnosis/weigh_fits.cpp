@@ -71,12 +71,17 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   const EvidenceSettings& evidence = compared.evidence;
   const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
   std::vector<UnknownLaws> laws(beside.size() + 1);
+  double least_cost = found.nothing.cost;
+  for (const FitResult& fit : found.fits) {
+    if (stochastic_part(problem.catalogue, fit.point).empty()) least_cost = std::min(least_cost, fit.cost);
+  }
   const auto laws_beside = [&](const FitResult& fit, double residual_power, const FittedLaw* elsewhere) {
-    return unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor, elsewhere);
+    return unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor, least_cost, elsewhere);
   };
   share_out(problem, beside.size(), [&](std::size_t k) { laws[k + 1] = laws_beside(found.fits[beside[k]], compared.of_fits[beside[k]].residual_power, nullptr); });
   const FittedLaw* best = nullptr;
   for (const UnknownLaws& one : laws) {
+    least_cost = std::min(least_cost, one.least_cost);
     if (one.best && (best == nullptr || one.best->difference.squaredNorm() < best->difference.squaredNorm())) best = &*one.best;
   }
   laws.front() = laws_beside(found.nothing, compared.of_nothing.residual_power, best);

@@ -14,8 +14,6 @@
 
 namespace slewlab::sim {
 
-using GroupRipples = std::array<Ripple, kMaximumGroupCount>;
-
 enum class MeshAngle { house, motor };  // which one the ripple goes over, on the slew axis
 
 // `amplitude` [-] of the group's stiffness; each group goes by its own ripple.

@@ -1,15 +1,15 @@
 // What goes up and down as something turns: a sine and its second harmonic,
 //   sin(n theta + phase) + a sin(2 n theta) + b cos(2 n theta).
-// What acts over a step is the mean along the turned angle, exact for a steady speed.
+// What acts over a step is the mean along the turned angle, exact for a steady speed. With m = n theta in its middle and h half of what n theta turns by:
+//   (sin(m) cos(phase) + cos(m) sin(phase)) sin(h) / h + (2 a sin(m) cos(m) + b (1 - 2 sin(m)^2)) cos(h) sin(h) / h.
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "common/effect.h"
 #include "sim/effects/effect.h"
-#include "sim/effects/mean_sine.h"
+#include "sim/effects/half_turn.h"
 
 namespace slewlab::sim {
 
@@ -29,21 +29,33 @@ inline Ripple shifted(Ripple ripple, double by) {
   return ripple;
 }
 
+// The same as it is asked at every step: with the phase's sine and cosine.
+struct RippleWave {
+  double order = 0.0;                             // [-]
+  double first_sine = 1.0, first_cosine = 0.0;    // [-] of sin(m), cos(m)
+  double second_sine = 0.0, second_cosine = 0.0;  // [-]
+};
+inline RippleWave wave_of(const Ripple& ripple) {
+  return {ripple.order, std::cos(ripple.phase), std::sin(ripple.phase), ripple.second_sine, ripple.second_cosine};
+}
+
 // One wave for all groups, each half of them with a phase of its own: no two rotors and no two pinions are mounted alike.
-inline std::array<Ripple, kMaximumGroupCount> ripples_of_groups(const Ripple& first, double phase_last, int group_count) {
-  std::array<Ripple, kMaximumGroupCount> ripples{};
+using GroupRipples = std::array<RippleWave, kMaximumGroupCount>;
+inline GroupRipples ripples_of_groups(const Ripple& first, double phase_last, int group_count) {
+  GroupRipples ripples{};
   for (int i = 0; i < group_count; ++i) {
-    ripples[static_cast<std::size_t>(i)] = group_side(i, group_count) < 0.0 ? shifted(first, phase_last - first.phase) : first;
+    ripples[static_cast<std::size_t>(i)] = wave_of(group_side(i, group_count) < 0.0 ? shifted(first, phase_last - first.phase) : first);
   }
   return ripples;
 }
 
 // Mean over a step that turns by `turned` [rad] around `angle` [rad].
-inline double mean_ripple(const Ripple& ripple, double angle, double turned) {
-  return mean_sine(ripple.order * angle + ripple.phase, ripple.order * turned) +
-         ripple.second_sine * mean_sine(2.0 * ripple.order * angle, 2.0 * ripple.order * turned) +
-         ripple.second_cosine *
-             mean_sine(2.0 * ripple.order * angle + 0.5 * std::numbers::pi, 2.0 * ripple.order * turned);
+inline double mean_ripple(const RippleWave& wave, double angle, double turned) {
+  const double middle = wave.order * angle, sine = std::sin(middle), cosine = std::cos(middle);
+  const HalfTurn half = half_turn(wave.order * turned);
+  const double first = wave.first_sine * sine + wave.first_cosine * cosine;
+  const double second = 2.0 * wave.second_sine * sine * cosine + wave.second_cosine * (1.0 - 2.0 * sine * sine);
+  return (first + second * half.cosine) * half.share;
 }
 
 // In both of them at once, so that a fit finds it from nothing whatever its phase.

@@ -32,7 +32,7 @@ class TorqueRipple : public Running<TorqueRipple> {
 
  private:
   double amplitude_;
-  std::array<Ripple, kMaximumGroupCount> ripple_;  // over the slew axis
+  GroupRipples ripple_;  // over the slew axis
   int group_count_;
 };
 

@@ -21,7 +21,7 @@ double stiffening_spring(const MotorState& state) { return -20.0 * (state.angle 
 struct Laws {
   explicit Laws(MissingTorque& missing) : residual_power(residual_power_of(missing)), misfit_cost(evidence, residual_power) {
     const SmoothTorques smooth(missing.problem, missing.fit);
-    all = unknown_laws(missing.problem, missing.fit, residual_power, smooth, smooth.of_residual(missing.problem, missing.fit, evidence.law_share), evidence, misfit_cost, 0.0).of_every_size;
+    all = unknown_laws(missing.problem, missing.fit, residual_power, smooth, smooth.of_residual(missing.problem, missing.fit, evidence.law_share), evidence, misfit_cost, 0.0, missing.fit.cost).of_every_size;
   }
   // The residual power of parameters alone, as a cause of a record without a controller's answers is weighed by.
   double residual_power_of(const MissingTorque& missing) const {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,11 +31,13 @@ struct Asked {
     truth.effects = effects;
     problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
     problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission));
-    const FitResult parameters = fit_nuisances(problem, nominal_fit(problem));
-    held_out = validate_lead(problem, problem.thresholds.whitening, bench().controller, parameters.point, true, ranking, remarks);
+    parameters = fit_nuisances(problem, nominal_fit(problem)).point;
+    validate();
   }
+  void validate() { held_out = validate_lead(problem, problem.thresholds.whitening, bench().controller, parameters, true, ranking, remarks); }
 
   BenchProblem problem;
+  Point parameters;
   Ranking ranking;
   std::vector<std::string> remarks;
   std::optional<HeldOut> held_out;
@@ -70,6 +73,20 @@ TEST(ValidateLead, GivesBackToNothingWhereParametersLeaveNoise) {
   EXPECT_DOUBLE_EQ(lead.probability, 0.6);  // its own and what the play loses; the friction was not asked
   EXPECT_EQ(asked.ranking.unknown, 0.0);
   EXPECT_FALSE(asked.held_out);
+}
+
+// A cause that comes to lead by what is doubted of another one is asked as well; one that has been asked is not asked again.
+TEST(ValidateLead, AsksWhatLeadsLater) {
+  Asked asked({kFriction});
+  const double residual = asked.ranking.causes.front().validation->cause.residual_ratio;
+  asked.validate();
+  EXPECT_EQ(asked.ranking.causes.front().validation->cause.residual_ratio, residual);
+  EXPECT_FALSE(asked.held_out);
+  asked.ranking.causes.push_back(cause_of({kFriction, kPlay}, 0.9));
+  asked.validate();
+  const auto later = std::find_if(asked.ranking.causes.begin(), asked.ranking.causes.end(), [](const Cause& cause) { return cause.effects.size() == 2; });
+  ASSERT_NE(later, asked.ranking.causes.end());
+  EXPECT_TRUE(later->validation);
 }
 
 }  // namespace
