@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "diagnosis/hidden_commands.h"
 #include "diagnosis/judged_grid.h"
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
@@ -368,6 +369,10 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     }
     if (points_per_judged_point(record, whitening.highest_frequency) > 1) {
       record = on_judged_grid(std::move(record), whitening.highest_frequency);
+      following = follow(problem, record, whitening);
+    } else if (problem.commands_per_row > 1) {
+      if (can_have_commands_between(record)) problem.nuisances.lead_deviation = std::max(problem.nuisances.lead_deviation, kLeadDeviation * record.step);
+      record = with_commands_between(std::move(record), problem.commands_per_row);
       following = follow(problem, record, whitening);
     }
     problem.whitening.push_back(whitening_between(problem, record, following.follower, whitening, 0, record.size()));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "diagnosis/admit.h"
 #include "diagnosis/discrepancy.h"
 #include "diagnosis/doubt.h"
+#include "diagnosis/hidden_commands.h"
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/ranking.h"
@@ -152,19 +154,12 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
   diagnosis.nuisances = problem.nuisances;
+  diagnosis.commands_per_row = problem.commands_per_row;
+  diagnosis.may_hide_commands = std::any_of(problem.records.begin(), problem.records.end(), can_have_commands_between);
   const std::vector<common::EffectInstance> starts =
       catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every);
   problem.force_steps = steps_for_forces(problem, starts, settings.evidence);
   return whitening;
-}
-
-// Whether commands may have come between the rows of a record.
-bool may_hide_commands(std::span<const Record> records, const std::optional<controller::ControllerSettings>& controller) {
-  constexpr double kAsFast = 0.9;  // of the record's period, that the controller's may be below it by rounding
-  return std::any_of(records.begin(), records.end(), [&](const Record& record) {
-    const bool is_cycle_known = controller && controller->period >= kAsFast * record.encoder_period;
-    return !is_cycle_known && changes_with_every_message(record);
-  });
 }
 
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
@@ -271,9 +266,11 @@ sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& di
   return machine;
 }
 
-Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
-                   std::vector<Record> records, const DiagnosisSettings& asked, const Progress& progress,
-                   const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+namespace {
+
+// With rows that have so many commands each.
+Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                        std::vector<Record> records, const DiagnosisSettings& asked, const Progress& progress, const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
   const auto start_time = std::chrono::steady_clock::now();
   std::mutex telling;
   const auto tell = [&](double share, const std::string& doing) {
@@ -286,6 +283,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;
+  problem.commands_per_row = commands_per_row;
   WhiteningSettings whitening = take_records(nominal, std::move(records), settings, problem, diagnosis);
 
   if (!any_swings_outwards(problem.catalogue, settings.without)) problem.nuisances.outward_swing = 0.0;
@@ -310,6 +308,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   tell(kHoldOut.from, "looking for a law that is in no catalogue");
   const SmoothTorques smooth(problem, searched.best(problem.catalogue));
   Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
+  diagnosis.least_mean_square = weighed.least_mean_square;
+  diagnosis.difference_count = static_cast<double>(difference_count(problem));
+  for (const Whitening& one : problem.whitening) diagnosis.log_stretch += log_stretch(one);
   // The gap lies where the most probable cause takes something away; where none does, where the residual is more than noise.
   const FitResult* const answer_fit = weighed.answer(found.fits);
   const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));
@@ -351,6 +352,46 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.total_seconds = seconds_since(start_time);
   tell(1.0, "done");
   return diagnosis;
+}
+
+// Whether the first cause, or parameters alone, leave noise alone, and are no chance on the wire, which commands between the rows look like.
+bool is_answered(const common::EffectCatalogue& catalogue, const Diagnosis& diagnosis) {
+  if (diagnosis.is_unknown || diagnosis.causes.empty()) return false;
+  const Cause& first = diagnosis.causes.front();
+  return first.mean_square <= kNoiseAlone && std::none_of(first.effects.begin(), first.effects.end(), [&](const std::string& name) { return is_chance_on_the_wire(catalogue, name); });
+}
+
+// Whether the records are likelier by the first cause with commands between their rows than by whatever leaves least without them: by the density of what they differ by (whitening.h).
+bool is_likelier(const Diagnosis& between, const Diagnosis& as_written) {
+  const auto surprise = [](const Diagnosis& diagnosis, double mean_square) { return mean_square * diagnosis.difference_count - diagnosis.log_stretch; };
+  return between.difference_count == as_written.difference_count &&
+         surprise(between, between.causes.front().mean_square) < surprise(as_written, as_written.least_mean_square);
+}
+
+}  // namespace
+
+Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                   std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
+                   const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+  constexpr Stage kAsWritten{0.0, 0.5}, kWithCommandsBetween{0.5, 1.0};
+  if (!may_hide_commands(records, controller)) return diagnose_with(1, nominal, controller, std::move(records), settings, progress, is_stopped, std::move(unseen));
+  const common::EffectCatalogue catalogue = sim::effects_for(nominal);
+  Diagnosis as_written = diagnose_with(1, nominal, controller, records, settings, within(progress, kAsWritten), is_stopped, unseen);
+  if (!as_written.may_hide_commands || is_answered(catalogue, as_written)) return as_written;
+  // What the controller answered to readings that no row has cannot be compared.
+  Diagnosis between = diagnose_with(kSomeCommands, nominal, std::nullopt, std::move(records), settings, within(progress, kWithCommandsBetween), is_stopped, std::move(unseen));
+  Diagnosis& answer = is_answered(catalogue, between) && is_likelier(between, as_written) ? between : as_written;
+  for (const Diagnosis* other : {&as_written, &between}) {
+    if (other == &answer) continue;
+    answer.simulations += other->simulations;
+    answer.simulation_seconds += other->simulation_seconds;
+    answer.total_seconds += other->total_seconds;
+  }
+  if (&answer == &between) {
+    answer.remarks.push_back("the controller seems to be faster than the recorder: with commands between the rows, of which nobody knows more than that they lie about lines from row to row, "
+                             "what is missing has an answer, without them it has none; record every command to tell more");
+  }
+  return answer;
 }
 
 }  // namespace slewlab::diagnosis

@@ -40,6 +40,8 @@ struct Diagnosis {
   std::vector<ControllerCause> controller_causes;
   double mean_square_nominal = 0.0;     // with nothing fitted but how a record begins on a machine that has moved before
   double mean_square_parameters = 0.0;  // with parameters alone fitted
+  double least_mean_square = 0.0;       // that a motion of the catalogue comes to, or a law that is in none
+  double difference_count = 0.0, log_stretch = 0.0;  // of the whitened differences (whitening.h)
   std::vector<Cause> causes;            // falling probability; the one without effects is among them
   double probability_nothing = 0.0;
   double probability_hidden = 0.0;      // that an effect acts which is too small for these records (hidden_effects.h); where nothing missing leads
@@ -51,6 +53,8 @@ struct Diagnosis {
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
   double lead_acts = 0.0;               // that the effects of the first cause act, alone or beside another; of one without effects its own
   int boom_elements = 0;                 // into which the boom was cut
+  int commands_per_row = 1;              // that the records are taken to have (hidden_commands.h)
+  bool may_hide_commands = false;        // between rows that are as far apart as the grid's points
   std::vector<common::EffectInstance> of_every_machine;  // what every machine does, where the fits have it
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
@@ -71,7 +75,7 @@ struct Diagnosis {
 sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis);
 
 // `progress` is told from any thread, one at a time; `is_stopped` is asked before every simulation, from any thread, and ends it all
-// with Interrupted. `unseen` are records that the answer is tried on and that have no part in it.
+// with Interrupted. Where the records' commands leave no answer, and others may have come between their rows, the records are diagnosed once more with such. `unseen` are records that the answer is tried on and that have no part in it.
 // Throws NotAdmitted, std::invalid_argument, Interrupted.
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress = {},

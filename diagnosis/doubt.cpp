@@ -103,21 +103,23 @@ void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const Ev
   }
 }
 
+bool is_chance_on_the_wire(const common::EffectCatalogue& catalogue, const std::string& name) {
+  const common::EffectAbout* about = catalogue.find(name);
+  return about != nullptr && is_stochastic(*about) && about->subsystem == common::Subsystem::wire;
+}
+
 void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may_hide_commands, Ranking& ranking, std::vector<std::string>& remarks) {
   if (!may_hide_commands) return;
-  const auto is_chance_on_the_wire = [&](const std::string& name) {
-    const common::EffectAbout* about = catalogue.find(name);
-    return about != nullptr && is_stochastic(*about) && about->subsystem == common::Subsystem::wire;
-  };
+  const auto is_such = [&](const std::string& name) { return is_chance_on_the_wire(catalogue, name); };
   bool is_told = false;
   for (Cause& cause : ranking.causes) {
-    const auto found = std::find_if(cause.effects.begin(), cause.effects.end(), is_chance_on_the_wire);
+    const auto found = std::find_if(cause.effects.begin(), cause.effects.end(), is_such);
     if (found == cause.effects.end()) continue;
     if (!std::exchange(is_told, true)) {
       remarks.push_back(fmt::format("{} is not sure: the commands change with every row, so the controller may be faster than the recorder, and commands between the rows do the same; record every command, or give the controller",
                                     *found));
     }
-    hand_on(kDoubtful, is_chance_on_the_wire, false, cause, ranking);
+    hand_on(kDoubtful, is_such, false, cause, ranking);
   }
 }
 

@@ -35,6 +35,11 @@ double encoder_latency(const Nuisances& nuisances, const std::vector<double>& am
   return amount.size() < nuisances.common_count() ? 0.0 : nuisances.latency_deviation * amount[nuisances.parameters.size()];
 }
 
+double command_lead(const Nuisances& nuisances, const std::vector<double>& amount) {
+  if (nuisances.lead_deviation == 0.0 || amount.size() < nuisances.common_count()) return 0.0;
+  return nuisances.lead_deviation * amount[nuisances.parameters.size() + 1];
+}
+
 Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
   Beginning beginning;
   std::size_t k = nuisances.count(record);

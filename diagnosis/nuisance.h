@@ -2,7 +2,7 @@
 // from unit to unit, and what nobody knows of a record. A wrong one imitates a missing effect and the other way round, so every
 // hypothesis is fitted with all of them free under their priors.
 //
-// A point's nuisance parameters, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
+// A point's nuisance parameters, in standard deviations: the parameters; the encoders' latency; where commands came between the rows (hidden_commands.h), by how much they act ahead; of each record angle and rate of the load's
 // swing at its beginning, where the machine has a load; where each motor stands between its flanks then; and where some record begins in
 // motion, angle and rate of the load's rod, amounts and rates of the lowest modes of the boom, and for the effects that know of it (EffectAbout::swings_outwards)
 // angle and rate of the load's swing along the boom. Those of a record that begins at rest
@@ -29,6 +29,7 @@ enum class RecordBegins { unmoved, at_rest, in_motion };
 struct Nuisances {
   std::vector<sim::Parameter> parameters;
   double latency_deviation = 0.0;  // [s] of the encoders: late, or early
+  double lead_deviation = 0.0;     // [s] of commands between the rows: how much earlier they act; 0: none came
   double rope_length = 0.0;        // [m] of the nominal machine; 0: no load that swings
   std::size_t offset_groups = 0;   // motor groups whose place at a record's beginning is free
   double offset_deviation = 0.0;   // [rad] of it, on the slew axis
@@ -37,7 +38,7 @@ struct Nuisances {
   bool has_motion = false;         // the machine has moved before some record of the diagnosis
   std::vector<RecordBegins> begins;  // of these records; fewer than records: the others on an unmoved machine
 
-  std::size_t common_count() const { return parameters.size() + 1; }  // of all records together
+  std::size_t common_count() const { return parameters.size() + 1 + (lead_deviation > 0.0 ? 1 : 0); }  // of all records together
   std::size_t swing_amounts() const { return rope_length > 0.0 ? 2 : 0; }  // per record
   std::size_t motion_amounts() const { return has_motion ? swing_amounts() + 2 * kBeginningBends + outward_amounts() : 0; }
   std::size_t outward_amounts() const { return outward_swing > 0.0 ? swing_amounts() : 0; }
@@ -50,6 +51,7 @@ struct Nuisances {
 Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_deviation);
 
 double encoder_latency(const Nuisances& nuisances, const std::vector<double>& amount);  // [s]
+double command_lead(const Nuisances& nuisances, const std::vector<double>& amount);     // [s]
 
 inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: a two-hundredth of the rope's length; of the rate as a pendulum's
 // Chosen: of the rod's angle where the machine has moved before the record, as of a swing at rest; of the bends, a fifth of what the rated torque bends.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "diagnosis/hidden_commands.h"
 #include "diagnosis/own_noise.h"
 #include "diagnosis/stochastic.h"
 #include "sim/integrate/batch.h"
@@ -86,6 +87,14 @@ Shadowing shadowing_at(const Problem& problem, Follower follower, const Point& p
   return {std::move(follower), encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), &result};
 }
 
+// Commands between the rows act ahead as the point has it; in `ahead`, which must live as long.
+void take_lead(const Problem& problem, const Point& point, std::size_t record, std::optional<MoreTorques>& ahead, Shadowing& shadowing) {
+  const double lead = command_lead(problem.nuisances, point.nuisance);
+  if (lead == 0.0) return;
+  ahead = torques_ahead(problem.records[record], lead);
+  shadowing.more_torques.push_back(&*ahead);
+}
+
 const DriveCourse& drives_of(const Problem& problem, std::size_t record) {
   return problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection);
 }
@@ -103,6 +112,8 @@ Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record)
   std::vector<Shadowing> alone;
   alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), grid_of(problem.records[record]), problem.force_steps), point, record,
                                result));
+  std::optional<MoreTorques> ahead;
+  take_lead(problem, point, record, ahead, alone.front());
   shadow(std::move(alone), problem.records[record], drives_of(problem, record), problem.gains);
   return result;
 }
@@ -161,10 +172,12 @@ void differ(Problem& problem, std::span<const Point> points, std::span<const std
   std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
   if (room->shadows.size() < points.size()) room->shadows.resize(points.size());
   std::vector<Shadowing> shadowings;
+  std::vector<std::optional<MoreTorques>> ahead(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!followers[i]) continue;
     shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
-    if (!torques.empty()) shadowings.back().more_torque = &torques[i][r];
+    if (!torques.empty()) shadowings.back().more_torques.push_back(&torques[i][r]);
+    take_lead(problem, points[i], r, ahead[i], shadowings.back());
   }
   shadow(std::move(shadowings), problem.records[r], drives_of(problem, r), problem.gains);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -114,6 +114,7 @@ struct Problem {
   Nuisances nuisances;
   ShadowGains gains;                 // of the nominal crane
   ForceSteps force_steps;            // of the model between two readings (model_step.h)
+  int commands_per_row = 1;          // that a record is taken to have (hidden_commands.h)
   Records records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;

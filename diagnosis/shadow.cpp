@@ -495,7 +495,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
     const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
     reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
-    if (shadowing.more_torque != nullptr) push(*shadowing.more_torque, 0, groups, shadowing.follower.to_slew_axis, shadowing.follower.machine.outside);
+    for (const MoreTorques* more : shadowing.more_torques) push(*more, 0, groups, shadowing.follower.to_slew_axis, shadowing.follower.machine.outside);
     observers.emplace_back(std::move(shadowing.follower), record, position.back().first(record), gains, shadowing.beginning);
     machines[observers.back().steps()].push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
@@ -531,7 +531,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       }
       for (std::size_t i = 0; i < groups; ++i) measured.position[i] = ahead[reads_as[f]][i][place];
       const Observer::Moment moment = observers[f].compare(measured);
-      if (const MoreTorques* const more = shadowings[f].more_torque; more != nullptr) observers[f].push(*more, n);
+      for (const MoreTorques* more : shadowings[f].more_torques) observers[f].push(*more, n);
       Shadow& result = *shadowings[f].result;
       for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
       result.contact_lost[n] = moment.contact_lost;

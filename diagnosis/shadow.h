@@ -188,7 +188,7 @@ struct Shadowing {
   double encoder_latency = 0.0;  // [s]
   Beginning beginning;
   Shadow* result = nullptr;
-  const MoreTorques* more_torque = nullptr;  // from the beginning on: where the gears are pressed then, they are under it
+  std::vector<const MoreTorques*> more_torques = {};  // from the beginning on: where the gears are pressed then, they are under them
 };
 // Many side by side (machine_batch.h), each to the bit as alone.
 void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains);

@@ -72,8 +72,11 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
   std::vector<UnknownLaws> laws(beside.size() + 1);
   double least_cost = found.nothing.cost;
+  weighed.least_mean_square = found.nothing.mean_square;
   for (const FitResult& fit : found.fits) {
-    if (stochastic_part(problem.catalogue, fit.point).empty()) least_cost = std::min(least_cost, fit.cost);
+    if (!stochastic_part(problem.catalogue, fit.point).empty()) continue;
+    least_cost = std::min(least_cost, fit.cost);
+    weighed.least_mean_square = std::min(weighed.least_mean_square, fit.mean_square);
   }
   const auto laws_beside = [&](const FitResult& fit, double residual_power, const FittedLaw* elsewhere) {
     return unknown_laws(problem, fit, residual_power, smooth, smooth.of_residual(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor, least_cost, elsewhere);
@@ -85,6 +88,9 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
     if (one.best && (best == nullptr || one.best->difference.squaredNorm() < best->difference.squaredNorm())) best = &*one.best;
   }
   laws.front() = laws_beside(found.nothing, compared.of_nothing.residual_power, best);
+  for (const UnknownLaws& one : laws) {
+    if (one.best) weighed.least_mean_square = std::min(weighed.least_mean_square, mean_square(one.best->difference));
+  }
   const std::size_t known = candidates.size();
   const double singles = std::max(1.0, static_cast<double>(effect_count)), each = kSmooth / (kVariables * static_cast<double>(SmoothTorques::scales().size()));
   std::vector<std::size_t> added_to;  // which of the known candidates each belongs to; 0: none

@@ -18,6 +18,7 @@ namespace slewlab::diagnosis {
 struct Weighed {
   std::vector<Cause> causes;
   Probabilities probabilities;
+  double least_mean_square = 0.0;  // of the differences, by a fit without a stochastic effect or an unknown law
 
   // The fit of the likeliest cause that has effects; nothing where an unknown one is likelier.
   const FitResult* answer(const std::vector<FitResult>& fits) const;

@@ -301,6 +301,15 @@ ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin) {
   return apart;
 }
 
+double log_stretch(const Whitening& whitening) {
+  double sum = 0.0;
+  for (std::size_t bin = 0; bin < whitening.bin_count; ++bin) {
+    const ChannelMatrix apart = apart_at(whitening, bin);
+    for (Eigen::Index c = 0; c < apart.rows(); ++c) sum += 4.0 * std::log(whitening.weight[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(bin)) * apart(c, c).real());
+  }
+  return sum;
+}
+
 std::size_t transform_length(std::size_t count) {
   for (;; ++count) {
     std::size_t rest = count;

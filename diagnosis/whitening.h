@@ -104,6 +104,9 @@ class CommonNoise {
 // L^-1 of one bin.
 ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin);
 
+// By how much whitening stretches what the spectra differ by: -2 ln of their density is the sum of squares of what is whitened, less this, and a constant. 4 sum of ln(w_c / L_cc).
+double log_stretch(const Whitening& whitening);
+
 // The next length for so many grid points that 2, 3 and 5 divide down to 1, where the transform is fast; an even one.
 std::size_t transform_length(std::size_t count);
 

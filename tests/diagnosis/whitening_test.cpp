@@ -247,5 +247,15 @@ TEST(Whitening, ForgetsWhatIsNotTrusted) {
   EXPECT_EQ((whiten(whitening, shadow_of(difference)) - before).norm(), 0.0);
 }
 
+// 4 ln of weight times the triangle's diagonal, of each of three bins: a channel of weight 2 that stands alone, and one of 1/2 that is stretched by 4 beside it.
+TEST(Whitening, TellsByHowMuchItStretches) {
+  Whitening whitening;
+  whitening.channels = {{true, 0}, {false, 0}};
+  whitening.bin_count = 3;
+  whitening.weight = {Eigen::VectorXd::Constant(3, 2.0), Eigen::VectorXd::Constant(3, 0.5)};
+  for (int bin = 0; bin < 3; ++bin) whitening.apart.insert(whitening.apart.end(), {{1.0, 0.0}, {0.3, -0.7}, {4.0, 0.0}});
+  EXPECT_DOUBLE_EQ(log_stretch(whitening), 4.0 * 3.0 * (std::log(2.0) + std::log(0.5 * 4.0)));
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
