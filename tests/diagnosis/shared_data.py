@@ -34,8 +34,11 @@ class SharedDataTest(unittest.TestCase):
 
     def imported(self, map_file, machine, record):
         """The log of DATA/machine/record.csv."""
-        log = self.folder / f"{machine.replace('/', '_')}_{record}.lcmlog"
-        self.quietly(import_data.main, "--map", map_file, DATA / machine / f"{record}.csv", "--out", log)
+        return self.imported_from(map_file, DATA / machine / f"{record}.csv")
+
+    def imported_from(self, map_file, table):
+        log = self.folder / f"{table.parent.name}_{table.stem}.lcmlog"
+        self.quietly(import_data.main, "--map", map_file, table, "--out", log)
         return log
 
     def diagnosed(self, option, file, logs, out, *more):

@@ -185,6 +185,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"gap", diagnosis.gap},
                       {"verdict", diagnosis.verdict},
                       {"controller_differs", diagnosis.controller_differs},
+                      {"commands_per_row", diagnosis.commands_per_row},  // that the records were taken to have: more than 1 where the controller seems to be faster than the recorder
                       {"residual_variance_ratio_nominal", diagnosis.mean_square_nominal},
                       {"residual_variance_ratio_parameters", diagnosis.mean_square_parameters},
                       {"probability_nothing_missing", diagnosis.probability_nothing},
