@@ -19,6 +19,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
+constexpr double kNotStable = 1e12;    // one beyond which a machine is not stable: its motion grows without end, and only the record's end keeps it from a number that is none
 constexpr std::size_t kMostRoom = std::size_t{1} << 28;  // [bytes] of the series of one thread's simulations: eight of ten minutes at 1 kHz
 
 }  // namespace
@@ -236,7 +237,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   }
   for (Eigen::VectorXd& result : results) {
     // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
-    if (!result.allFinite()) result.setConstant(kVeryFarOff);
+    if (!result.allFinite() || result.cwiseAbs().maxCoeff() > kNotStable) result.setConstant(kVeryFarOff);
     if (problem.added_power == nullptr) continue;
     if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
     result = divided(*problem.added_power, result);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -12,6 +14,8 @@
 
 namespace slewlab::diagnosis {
 namespace {
+
+constexpr double kShaking = 16.0;  // times the gain of the speed
 
 // Each share once, and never more at work than `threads`, also where a share shares out itself.
 TEST(ShareOut, DoesEveryShareOnceOnAsManyThreadsAsAllowed) {
@@ -98,6 +102,26 @@ TEST(Differences, OfManyPointsAreThoseOfEachAlone) {
   const std::vector<Eigen::VectorXd> together = differences(problem, points);
   ASSERT_EQ(together.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(together[i], differences(problem, points[i])) << i;
+}
+
+// Led by gains that shake it more at every step, a machine's motion grows by hundreds of orders of magnitude and is a number all the same. It counts as very far off, as one does whose motion
+// is no number, and no difference quotient beside it is more than what that leaves.
+TEST(Differences, OfAMachineThatIsNotStableAreVeryFarOff) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  BenchProblem problem;
+  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 3), "a", bench().admission));
+  const Point nominal{std::vector<double>(nuisance_count(problem), 0.0), {}};
+  EXPECT_LT(differences(problem, nominal).cwiseAbs().maxCoeff(), 100.0);
+  problem.gains.speed *= kShaking;
+  const Shadow shaken = shadow_at(problem, nominal, 0);
+  double largest = 0.0;
+  for (const double torque : shaken.missing_torque[0]) largest = std::max(largest, std::fabs(torque));
+  EXPECT_TRUE(std::isfinite(largest));
+  EXPECT_GT(largest, 1e30) << "[Nm]; else nothing is shown";
+  const Eigen::VectorXd far = differences(problem, nominal);
+  EXPECT_EQ(far, Eigen::VectorXd::Constant(far.size(), far(0)));
+  EXPECT_LT(far(0), 1e4);
 }
 
 }  // namespace

@@ -142,9 +142,9 @@ TEST(Shadow, MoreTorqueAtTheMotorsIsWhatAsMuchMoreFromTheDrivesIs) {
   const Follower follower = follower_of(nominal, grid_of(record));
   std::vector<Shadow> pushed(3), told(3);
   std::vector<Shadowing> shadowings;
-  for (std::size_t k = 0; k < 3; ++k) shadowings.push_back({follower, 0.0, {}, &pushed[k], &torques[k]});
+  for (std::size_t k = 0; k < 3; ++k) shadowings.push_back({follower, 0.0, {}, &pushed[k], {&torques[k]}});
   shadow(std::move(shadowings), record, course, bench_gains());
-  for (std::size_t k = 0; k < 3; ++k) shadow({{follower, 0.0, {}, &told[k], nullptr}}, record, courses[k], bench_gains());
+  for (std::size_t k = 0; k < 3; ++k) shadow({{follower, 0.0, {}, &told[k]}}, record, courses[k], bench_gains());
   constexpr double kRounding = 1e-8;  // [Nm], [m/s^2]
   double largest = 0.0;
   for (std::size_t n = 0; n < record.size(); ++n) {
@@ -174,14 +174,14 @@ TEST(Shadow, MoreTorqueOnTheHouseIsWhatPushesIt) {
   for (std::size_t g = 0; g < 2; ++g) torques.of_group[g].assign(record.size(), 0.5 * kTorque / follower.to_slew_axis);
   const DriveCourse course = drive_course(record, nominal.drive_protection);
   Shadow by_effect, by_torque, on_house, at_motors;
-  shadow({{follower_of(pushed, grid_of(record)), 0.0, {}, &by_effect, nullptr}}, record, course, bench_gains());
-  shadow({{follower, 0.0, {}, &by_torque, &torques}}, record, course, bench_gains());
+  shadow({{follower_of(pushed, grid_of(record)), 0.0, {}, &by_effect}}, record, course, bench_gains());
+  shadow({{follower, 0.0, {}, &by_torque, {&torques}}}, record, course, bench_gains());
   for (std::size_t g = 0; g < 2; ++g) {
     for (std::size_t n = 0; n < record.size(); ++n) torques.of_group[g][n] *= std::sin(3.0 * record.step * static_cast<double>(n));
   }
-  shadow({{follower, 0.0, {}, &on_house, &torques}}, record, course, bench_gains());
+  shadow({{follower, 0.0, {}, &on_house, {&torques}}}, record, course, bench_gains());
   torques.is_on_house = false;
-  shadow({{follower, 0.0, {}, &at_motors, &torques}}, record, course, bench_gains());
+  shadow({{follower, 0.0, {}, &at_motors, {&torques}}}, record, course, bench_gains());
   double largest = 0.0, apart = 0.0;
   for (std::size_t n = 0; n < record.size(); ++n) {
     ASSERT_NEAR(by_torque.missing_torque[0][n], by_effect.missing_torque[0][n], 1e-7) << n;
