@@ -362,10 +362,22 @@ bool is_answered(const common::EffectCatalogue& catalogue, const Diagnosis& diag
 }
 
 // Whether the records are likelier by the first cause with commands between their rows than by whatever leaves least without them: by the density of what they differ by (whitening.h).
-bool is_likelier(const Diagnosis& between, const Diagnosis& as_written) {
+bool is_likelier(const common::EffectCatalogue& catalogue, const Diagnosis& between, const Diagnosis& as_written) {
   const auto surprise = [](const Diagnosis& diagnosis, double mean_square) { return mean_square * diagnosis.difference_count - diagnosis.log_stretch; };
-  return between.difference_count == as_written.difference_count &&
-         surprise(between, between.causes.front().mean_square) < surprise(as_written, as_written.least_mean_square);
+  const Cause& first = between.causes.front();
+  // The residual beside a draw is divided by its power.
+  const double left = stochastic_part(catalogue, first.point).empty() ? first.mean_square : between.least_mean_square;
+  return between.difference_count == as_written.difference_count && surprise(between, left) < surprise(as_written, as_written.least_mean_square);
+}
+
+// With commands between the rows; nothing where the records cannot be judged so. What the controller answered to readings that no row has cannot be compared.
+std::optional<Diagnosis> diagnose_between(const sim::MachineSettings& nominal, std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
+                                          const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+  try {
+    return diagnose_with(kSomeCommands, nominal, std::nullopt, std::move(records), settings, progress, is_stopped, std::move(unseen));
+  } catch (const NotAdmitted&) {
+    return {};
+  }
 }
 
 }  // namespace
@@ -378,20 +390,19 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const common::EffectCatalogue catalogue = sim::effects_for(nominal);
   Diagnosis as_written = diagnose_with(1, nominal, controller, records, settings, within(progress, kAsWritten), is_stopped, unseen);
   if (!as_written.may_hide_commands || is_answered(catalogue, as_written)) return as_written;
-  // What the controller answered to readings that no row has cannot be compared.
-  Diagnosis between = diagnose_with(kSomeCommands, nominal, std::nullopt, std::move(records), settings, within(progress, kWithCommandsBetween), is_stopped, std::move(unseen));
-  Diagnosis& answer = is_answered(catalogue, between) && is_likelier(between, as_written) ? between : as_written;
-  for (const Diagnosis* other : {&as_written, &between}) {
-    if (other == &answer) continue;
-    answer.simulations += other->simulations;
-    answer.simulation_seconds += other->simulation_seconds;
-    answer.total_seconds += other->total_seconds;
+  std::optional<Diagnosis> between = diagnose_between(nominal, std::move(records), settings, within(progress, kWithCommandsBetween), is_stopped, std::move(unseen));
+  if (!between) return as_written;
+  const bool is_taken = is_answered(catalogue, *between) && is_likelier(catalogue, *between, as_written);
+  Diagnosis &answer = is_taken ? *between : as_written, &other = is_taken ? as_written : *between;
+  answer.simulations += other.simulations;
+  answer.simulation_seconds += other.simulation_seconds;
+  answer.total_seconds += other.total_seconds;
+  if (is_taken) {
+    answer.remarks.push_back(fmt::format("the controller seems to be faster than the recorder: with commands between the rows, of which nobody knows more than that they lie about a smooth course through the rows, what is missing "
+                                         "has an answer; if the rows are all of its commands, the answer is another one: {}. Record every command, or give the controller, to tell which",
+                                         as_written.is_unknown ? "unknown" : fmt::format("{} ({:.0f} %)", as_written.verdict, 100.0 * as_written.causes.front().probability)));
   }
-  if (&answer == &between) {
-    answer.remarks.push_back("the controller seems to be faster than the recorder: with commands between the rows, of which nobody knows more than that they lie about lines from row to row, "
-                             "what is missing has an answer, without them it has none; record every command to tell more");
-  }
-  return answer;
+  return std::move(answer);
 }
 
 }  // namespace slewlab::diagnosis
