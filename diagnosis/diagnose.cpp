@@ -185,11 +185,11 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   doubt_what_no_machine_has(problem.catalogue, problem.nuisances, is_nominal_enough, is_nothing_left, ranking, diagnosis.remarks);
   const auto validate = [&] {
     if (!settings.hold_out || ranking.causes.empty()) return;
+    tell(kHoldOut.from, "fitting without the last record");
     std::optional<HeldOut> held_out = validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, ranking, diagnosis.remarks);
     if (held_out) diagnosis.held_out = std::move(held_out);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   };
-  tell(kHoldOut.from, "fitting without the last record");
   validate();
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);

@@ -8,26 +8,25 @@
 
 #include "diagnosis/decimation.h"
 #include "diagnosis/sensor_noise.h"
+#include "diagnosis/torque_noise.h"
 
 namespace slewlab::diagnosis {
 
 namespace {
 
 constexpr double kKinks = 0.01;  // share of the largest third differences, which are no noise; chosen
-constexpr double kGain = 20.0;   // 1 + 9 + 9 + 1, of white noise in third differences
 
 // [Nm^2] of what is fast in a series of commands.
 double fast_variance(const std::vector<double>& torque) {
+  if (torque.size() < 4) return 0.0;
+  const Eigen::VectorXd third = third_difference(Eigen::Map<const Eigen::VectorXd>(torque.data(), static_cast<Eigen::Index>(torque.size())));
   std::vector<double> squares;
-  for (std::size_t n = 3; n < torque.size(); ++n) {
-    const double third = torque[n] - 3.0 * torque[n - 1] + 3.0 * torque[n - 2] - torque[n - 3];
-    squares.push_back(third * third);
-  }
+  for (const double one : third) squares.push_back(one * one);
   std::sort(squares.begin(), squares.end());
   squares.resize(squares.size() - static_cast<std::size_t>(kKinks * static_cast<double>(squares.size())));
   double sum = 0.0;
   for (const double square : squares) sum += square;
-  return squares.empty() ? 0.0 : sum / static_cast<double>(squares.size()) / kGain;
+  return sum / static_cast<double>(squares.size()) / kThirdDifferenceGain;
 }
 
 constexpr int kBefore = 2, kPoints = 6;  // rows that a polynomial goes through, and those of them before the row itself

@@ -16,14 +16,8 @@ constexpr std::size_t kReadings = 8;         // of which a command may be made; 
 constexpr std::size_t kPerUnknown = 10;      // differences at least
 constexpr std::size_t kMost = 50'000;        // differences; of longer records every so many
 constexpr double kHeld = 0.4;                // share of torques that did not change, from which on they are held; chosen: noise seldom repeats
-constexpr double kGain = 20.0;               // 1 + 9 + 9 + 1, of white noise in third differences
 constexpr double kHuber = 2.0;               // [deviations] from which on a difference counts less
 constexpr int kRounds = 4;                   // of weights
-
-Eigen::VectorXd third_difference(const Eigen::VectorXd& values) {
-  const Eigen::Index n = values.size() - 3;
-  return values.tail(n) - 3.0 * values.segment(2, n) + 3.0 * values.segment(1, n) - values.head(n);
-}
 
 // Of the differences that have all readings behind them, from so many before them on.
 Eigen::VectorXd some_of(const Eigen::VectorXd& differences, Eigen::Index from) {
@@ -87,6 +81,11 @@ Eigen::VectorXd residual_of(const Eigen::MatrixXd& columns, const Eigen::VectorX
 
 }  // namespace
 
+Eigen::VectorXd third_difference(const Eigen::VectorXd& values) {
+  const Eigen::Index n = values.size() - 3;
+  return values.tail(n) - 3.0 * values.segment(2, n) + 3.0 * values.segment(1, n) - values.head(n);
+}
+
 double torque_noise(const std::vector<msgs::Encoder>& encoder, const std::vector<msgs::Torque>& torque) {
   if (encoder.empty() || torque.empty()) return 0.0;
   const auto groups = static_cast<std::size_t>(torque.front().group_count);
@@ -98,7 +97,7 @@ double torque_noise(const std::vector<msgs::Encoder>& encoder, const std::vector
     for (std::size_t n = 0; n < torque.size(); ++n) commanded[static_cast<Eigen::Index>(n)] = torque[n].motor_torque[g];
     if (is_held(commanded)) continue;
     const double deviation = deviation_of(residual_of(fast, some_of(third_difference(commanded), static_cast<Eigen::Index>(kReadings - 1))));
-    largest = std::max(largest, deviation * deviation / kGain);
+    largest = std::max(largest, deviation * deviation / kThirdDifferenceGain);
   }
   return largest;
 }

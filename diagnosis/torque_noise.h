@@ -10,11 +10,16 @@
 // Kinks of a ramp and switched torques show in few differences, which count less (Huber's weights); a torque that mostly keeps its value is a command that is held.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "msgs/messages.h"
 
 namespace slewlab::diagnosis {
+
+// d^3 of a series, four values at least, and what it makes of the variance of white noise: 1 + 9 + 9 + 1.
+Eigen::VectorXd third_difference(const Eigen::VectorXd& values);
+inline constexpr double kThirdDifferenceGain = 20.0;
 
 // [Nm^2] per message, of the group that has most; 0 where the torques are held, or the record is too short to tell.
 double torque_noise(const std::vector<msgs::Encoder>& encoder, const std::vector<msgs::Torque>& torque);
