@@ -17,6 +17,7 @@
 #include "diagnosis/doubt.h"
 #include "diagnosis/hidden_commands.h"
 #include "diagnosis/hidden_effects.h"
+#include "diagnosis/judged_grid.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/search_as_built.h"
@@ -155,7 +156,6 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
   diagnosis.nuisances = problem.nuisances;
   diagnosis.commands_per_row = problem.commands_per_row;
-  diagnosis.may_hide_commands = std::any_of(problem.records.begin(), problem.records.end(), can_have_commands_between);
   const std::vector<common::EffectInstance> starts =
       catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every);
   problem.force_steps = steps_for_forces(problem, starts, settings.evidence);
@@ -354,6 +354,13 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
   return diagnosis;
 }
 
+// Whether commands may have come between rows that are as far apart as the points at which the machine is judged.
+bool are_rows_too_few(const sim::MachineSettings& nominal, const std::vector<Record>& records, const std::optional<controller::ControllerSettings>& controller) {
+  const double highest = thresholds_of(sim::describe(nominal.crane)).whitening.highest_frequency;
+  return may_hide_commands(records, controller) &&
+         std::any_of(records.begin(), records.end(), [&](const Record& record) { return can_have_commands_between(record) && points_per_judged_point(record, highest) == 1; });
+}
+
 // Whether the first cause, or parameters alone, leave noise alone, and are no chance on the wire, which commands between the rows look like.
 bool is_answered(const common::EffectCatalogue& catalogue, const Diagnosis& diagnosis) {
   if (diagnosis.is_unknown || diagnosis.causes.empty()) return false;
@@ -386,10 +393,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
                    const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
   constexpr Stage kAsWritten{0.0, 0.5}, kWithCommandsBetween{0.5, 1.0};
-  if (!may_hide_commands(records, controller)) return diagnose_with(1, nominal, controller, std::move(records), settings, progress, is_stopped, std::move(unseen));
+  if (!are_rows_too_few(nominal, records, controller)) return diagnose_with(1, nominal, controller, std::move(records), settings, progress, is_stopped, std::move(unseen));
   const common::EffectCatalogue catalogue = sim::effects_for(nominal);
   Diagnosis as_written = diagnose_with(1, nominal, controller, records, settings, within(progress, kAsWritten), is_stopped, unseen);
-  if (!as_written.may_hide_commands || is_answered(catalogue, as_written)) return as_written;
+  if (is_answered(catalogue, as_written)) return as_written;
   std::optional<Diagnosis> between = diagnose_between(nominal, std::move(records), settings, within(progress, kWithCommandsBetween), is_stopped, std::move(unseen));
   if (!between) return as_written;
   const bool is_taken = is_answered(catalogue, *between) && is_likelier(catalogue, *between, as_written);

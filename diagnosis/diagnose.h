@@ -54,7 +54,6 @@ struct Diagnosis {
   double lead_acts = 0.0;               // that the effects of the first cause act, alone or beside another; of one without effects its own
   int boom_elements = 0;                 // into which the boom was cut
   int commands_per_row = 1;              // that the records are taken to have (hidden_commands.h)
-  bool may_hide_commands = false;        // between rows that are as far apart as the grid's points
   std::vector<common::EffectInstance> of_every_machine;  // what every machine does, where the fits have it
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
