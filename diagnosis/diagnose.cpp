@@ -156,9 +156,7 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
   diagnosis.nuisances = problem.nuisances;
   diagnosis.commands_per_row = problem.commands_per_row;
-  const std::vector<common::EffectInstance> starts =
-      catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every);
-  problem.force_steps = steps_for_forces(problem, starts, settings.evidence);
+  problem.force_steps = steps_for_forces(problem, settings.without, settings.evidence);
   return whitening;
 }
 

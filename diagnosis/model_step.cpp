@@ -5,9 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/screen.h"
+
 namespace slewlab::diagnosis {
 
-ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInstance> starts, const EvidenceSettings& evidence) {
+ForceSteps steps_for_forces(Problem& problem, std::span<const std::string> without, const EvidenceSettings& evidence) {
+  std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, without, last_moment(problem), problem.thresholds.spell_every);
+  const std::vector<common::EffectInstance> of_all = what_every_machine_does(problem.catalogue, problem.nominal, without);
+  starts.insert(starts.end(), of_all.begin(), of_all.end());
   int most = 1;
   for (const Record& record : problem.records) most = std::max(most, steps_of_the_settings(problem.nominal, record.step));
   ForceSteps found;

@@ -8,8 +8,8 @@
 #pragma once
 
 #include <span>
+#include <string>
 
-#include "common/effect.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/fit.h"
 
@@ -17,7 +17,8 @@ namespace slewlab::diagnosis {
 
 inline constexpr double kStepShare = 0.1;  // chosen
 
-// Of each force and friction among `starts` (screen.h): at least 1, at most as many as the nominal machine's step goes into the records'.
-ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInstance> starts, const EvidenceSettings& evidence);
+// Of each force and friction of the machine's catalogue but of `without`, what every machine does included, which every simulation may come to have: at least 1, at
+// most as many as the nominal machine's step goes into the records'.
+ForceSteps steps_for_forces(Problem& problem, std::span<const std::string> without, const EvidenceSettings& evidence);
 
 }  // namespace slewlab::diagnosis

@@ -283,6 +283,15 @@ std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalog
   return starts;
 }
 
+std::vector<common::EffectInstance> what_every_machine_does(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without) {
+  std::vector<common::EffectInstance> all;
+  for (const common::EffectAbout& about : catalogue.effects) {
+    const bool is_left_out = std::find(without.begin(), without.end(), about.name) != without.end();
+    if (about.of_every_machine && !is_left_out && !has_effect(nominal.effects, about.name)) all.push_back(common::typical_instance(about));
+  }
+  return all;
+}
+
 std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened) {
   std::stable_sort(screened.begin(), screened.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   std::set<std::string> seen;

@@ -117,6 +117,8 @@ std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& 
 // `duration` [s] of the longest record, in which an effect may begin at any time; what recurs with an angle of the axis is tried with the `lengths` [rad] as well.
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without,
                                                      double duration, double spell_every, std::span<const double> lengths = {});
+// What every machine does and a linear model leaves out, as it is; nothing of what the nominal machine has, or of `without`.
+std::vector<common::EffectInstance> what_every_machine_does(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without);
 
 // Of each effect the start with the smallest residual, in the order of their residuals; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);

@@ -40,16 +40,6 @@ bool take_built_otherwise(Problem& problem, sim::MachineSettings otherwise, FitR
   return true;
 }
 
-// What every machine does, as it is; nothing of what the file has or the catalogue lacks, or the user left out.
-std::vector<common::EffectInstance> what_all_do(const Problem& problem, std::span<const std::string> without) {
-  std::vector<common::EffectInstance> all;
-  for (const common::EffectAbout& about : problem.catalogue.effects) {
-    const bool is_left_out = std::find(without.begin(), without.end(), about.name) != without.end();
-    if (about.of_every_machine && !is_left_out && !has_effect(problem.nominal.effects, about.name)) all.push_back(common::typical_instance(about));
-  }
-  return all;
-}
-
 // Takes what every machine does into the nominal machine where the fit shows it, and goes on from there. A log that slewlab itself made has it
 // not, and small swings do not show it.
 bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>& of_all, FitResult& fitted) {
@@ -106,7 +96,7 @@ FitResult begin_there(Problem& problem, const std::optional<Point>& begun, const
 Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point>& begun, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
                          const std::function<bool(const Point&)>& take_out, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
-  if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, asked.without);
+  if (nominal_machine.mean_square > 1.0) of_all = what_every_machine_does(problem.catalogue, problem.nominal, asked.without);
   const auto take_of = [&](bool is_last, FitResult& fitted) {
     const bool is_as_cut = take_as_cut(problem, as_cut, is_last, fitted);
     if (!take_what_shows(problem, of_all, fitted)) return is_as_cut;

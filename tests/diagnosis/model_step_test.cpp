@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "diagnosis/admit.h"
-#include "diagnosis/screen.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -34,7 +33,7 @@ void take(const sim::MachineSettings& nominal, Record record, Problem& problem) 
 }
 
 ForceSteps steps_of(Problem& problem) {
-  return steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {});
+  return steps_for_forces(problem, {}, {});
 }
 
 double mean_square(const sim::MachineSettings& nominal, const ForceSteps& steps) {
@@ -69,6 +68,19 @@ TEST(ModelStep, EachLawGetsWhatItNeedsAndNoMore) {
   EXPECT_GT(steps.at("bearing_uneven"), steps.at("bearing_viscous"));
   EXPECT_FALSE(steps.contains("boom_stiffness"));
   EXPECT_TRUE(problem.force_steps.empty()) << "asking changes nothing";
+}
+
+// What every machine does is no cause, but where the records show it every simulation has it: it is asked like every law. Of ordinary sensors the pull of a load that
+// swings in ten seconds needs no more than every other step.
+TEST(ModelStep, WhatEveryMachineDoesGetsWhatItNeedsAsWell) {
+  Problem problem;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  take(nominal, make_record(simulated_log(nominal, bench().controller, kThereAndBack, kDuration, 3, kPlcPeriod), "plc", bench().admission), problem);
+  const ForceSteps steps = steps_of(problem);
+  ASSERT_TRUE(steps.contains("large_angles"));
+  EXPECT_LE(steps.at("large_angles"), kFinest / 2);
+  EXPECT_FALSE(steps_for_forces(problem, std::vector<std::string>{"large_angles"}, {}).contains("large_angles"));
 }
 
 // Judged on a grid of 5 ms (judged_grid.h), into which five of the model's steps go.
