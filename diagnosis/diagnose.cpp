@@ -156,7 +156,9 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
   diagnosis.nuisances = problem.nuisances;
   diagnosis.commands_per_row = problem.commands_per_row;
-  problem.force_steps = steps_for_forces(problem, settings.without, settings.evidence);
+  ModelSteps steps = steps_for_forces(problem, settings.without, settings.evidence);
+  problem.force_steps = std::move(steps.of_differences);
+  problem.column_steps = std::move(steps.of_columns);
   return whitening;
 }
 

@@ -190,7 +190,9 @@ std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const 
   for (std::size_t first = 0; first < shapes.size(); first += together) {
     std::vector<std::vector<MoreTorques>> torques(std::min(together, shapes.size() - first));
     share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(problem, enabled, amount, shapes[first + i]); });
-    for (Eigen::VectorXd& changed : differences(problem, std::vector<Point>(torques.size(), point), torques)) columns.push_back(changed - difference);
+    const std::vector<Point> points(torques.size(), point);
+    torques.emplace_back();  // none on the machine as it is
+    for (Eigen::VectorXd& changed : changes(problem, point, difference, points, torques)) columns.push_back(std::move(changed));
   }
   return columns;
 }

@@ -183,7 +183,7 @@ void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& 
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
-  const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
+  const std::vector<Eigen::VectorXd> changed = changes(problem, point, difference, points);
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {
@@ -192,7 +192,7 @@ void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& 
       const Eigen::Index from = first_row[record], to = is_of_all ? first_row.back() : first_row[record + 1];
       const auto column = static_cast<Eigen::Index>(k);
       columns.col(column).setZero();
-      columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
+      columns.col(column).segment(from, to - from) = changed[i].segment(from, to - from) / steps(column);
     }
   }
 }

@@ -16,9 +16,15 @@
 namespace slewlab::diagnosis {
 
 inline constexpr double kStepShare = 0.1;  // chosen
+// Columns lead a fit to where the differences are small, and are corrected on the way by what each step shows: of them a tenth may be wrong, or where the misfit is small, more.
+inline constexpr double kColumnShare = 0.2;  // of what an effect changes, that fewer steps may change otherwise; chosen
+
+struct ModelSteps {
+  ForceSteps of_differences, of_columns;
+};
 
 // Of each force and friction of the machine's catalogue but of `without`, what every machine does included, which every simulation may come to have: at least 1, at
 // most as many as the nominal machine's step goes into the records'.
-ForceSteps steps_for_forces(Problem& problem, std::span<const std::string> without, const EvidenceSettings& evidence);
+ModelSteps steps_for_forces(Problem& problem, std::span<const std::string> without, const EvidenceSettings& evidence);
 
 }  // namespace slewlab::diagnosis

@@ -177,7 +177,7 @@ void differ(Problem& problem, std::span<const Point> points, std::span<const std
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!followers[i]) continue;
     shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
-    if (!torques.empty()) shadowings.back().more_torques.push_back(&torques[i][r]);
+    if (!torques.empty() && !torques[i].empty()) shadowings.back().more_torques.push_back(&torques[i][r]);
     take_lead(problem, points[i], r, ahead[i], shadowings.back());
   }
   shadow(std::move(shadowings), problem.records[r], drives_of(problem, r), problem.gains);
@@ -193,8 +193,8 @@ void differ(Problem& problem, std::span<const Point> points, std::span<const std
   problem.simulations += static_cast<std::int64_t>(points.size());
 }
 
-// `torques`: one for each point, or none.
-std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
+// `torques`: for each point those of each record, or none.
+std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques, const ForceSteps& force_steps) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   std::vector<Eigen::VectorXd> results(points.size(), Eigen::VectorXd(first_row.back()));
   const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
@@ -204,7 +204,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   // Nothing where its boom buckles; any other error is one of the program's.
   const auto machine_for = [&](const Point& point, const Record& record) -> std::optional<Follower> {
     try {
-      return follower_of(machine_at(problem.nominal, problem.nuisances, point), grid_of(record), problem.force_steps);
+      return follower_of(machine_at(problem.nominal, problem.nuisances, point), grid_of(record), force_steps);
     } catch (const sim::CannotBeBuilt&) {
       return std::nullopt;
     }
@@ -245,16 +245,42 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   return results;
 }
 
+bool takes_fewer_steps(const Problem& problem, std::span<const common::EffectInstance> effects) {
+  return std::any_of(effects.begin(), effects.end(), [&](const common::EffectInstance& effect) {
+    const auto few = problem.column_steps.find(effect.name), all = problem.force_steps.find(effect.name);
+    return few != problem.column_steps.end() && all != problem.force_steps.end() && few->second < all->second;
+  });
+}
+
 }  // namespace
 
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
-  return std::move(differences_under(problem, {&point, 1}, {}).front());
+  return std::move(differences_under(problem, {&point, 1}, {}, problem.force_steps).front());
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
-  return differences_under(problem, points, torques);
+  return differences_under(problem, points, torques, problem.force_steps);
 }
 
-std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}); }
+std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}, problem.force_steps); }
+
+std::vector<Eigen::VectorXd> changes(Problem& problem, const Point& from, const Eigen::VectorXd& difference, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
+  std::vector<Eigen::VectorXd> result;
+  if (takes_fewer_steps(problem, from.effects) || takes_fewer_steps(problem, problem.nominal.effects)) {
+    std::vector<Point> with_from(points.begin(), points.end());
+    with_from.push_back(from);
+    result = differences_under(problem, with_from, torques, problem.column_steps);
+    const Eigen::VectorXd there = std::move(result.back());
+    result.pop_back();
+    // With so few steps a machine that is stable need not be.
+    if (there.cwiseAbs().maxCoeff() < kVeryFarOff) {
+      for (Eigen::VectorXd& one : result) one -= there;
+      return result;
+    }
+  }
+  result = differences_under(problem, points, torques.first(torques.empty() ? 0 : points.size()), problem.force_steps);
+  for (Eigen::VectorXd& one : result) one -= difference;
+  return result;
+}
 
 }  // namespace slewlab::diagnosis

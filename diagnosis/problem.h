@@ -114,6 +114,7 @@ struct Problem {
   Nuisances nuisances;
   ShadowGains gains;                 // of the nominal crane
   ForceSteps force_steps;            // of the model between two readings (model_step.h)
+  ForceSteps column_steps;           // the same for columns, which ask for less
   int commands_per_row = 1;          // that a record is taken to have (hidden_commands.h)
   Records records;
   std::vector<Whitening> whitening;  // per record
@@ -151,8 +152,12 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
-// The same, each point under more torques of its own, those of each record.
+// The same, each point under more torques of its own, those of each record, or none.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques);
+
+// By how much the differences of points are others than those of the point `from`, which are `difference`, for columns: where effects act by forces, with the few steps of the model
+// that are enough for them, at both ends. Each point under torques of its own where there are any, `from` under the last of them.
+std::vector<Eigen::VectorXd> changes(Problem& problem, const Point& from, const Eigen::VectorXd& difference, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques = {});
 
 // Where the differences of each record begin, and where the last ones end.
 std::vector<Eigen::Index> first_rows(const Problem& problem);

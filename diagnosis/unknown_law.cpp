@@ -45,15 +45,19 @@ Eigen::VectorXd scale_of(const FittedLaw& at, double rho) {
   return scale;
 }
 
-std::vector<Eigen::VectorXd> differences_under(Problem& problem, const SmoothTorques& smooth, std::span<const FittedLaw> laws) {
-  std::vector<Point> points;
-  for (const FittedLaw& law : laws) points.push_back(law.point);
-  std::vector<std::vector<MoreTorques>> torques(laws.size());
-  share_out(problem, laws.size(), [&](std::size_t i) { torques[i] = smooth.torques(problem, laws[i].function, laws[i].coefficients); });
-  return differences(problem, points, torques);
+Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) {
+  const std::vector<MoreTorques> torques = smooth.torques(problem, law.function, law.coefficients);
+  return std::move(differences(problem, {&law.point, 1}, {&torques, 1}).front());
 }
 
-Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, const FittedLaw& law) { return std::move(differences_under(problem, smooth, {&law, 1}).front()); }
+// By how much the differences of other places of a law are others than where it stands.
+std::vector<Eigen::VectorXd> changes_to(Problem& problem, const SmoothTorques& smooth, const FittedLaw& at, std::span<const FittedLaw> places) {
+  std::vector<Point> points;
+  for (const FittedLaw& place : places) points.push_back(place.point);
+  std::vector<std::vector<MoreTorques>> torques(places.size() + 1);
+  share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = smooth.torques(problem, at.function, (i < places.size() ? places[i] : at).coefficients); });
+  return changes(problem, at.point, at.difference, points, torques);
+}
 
 double cost_of(const Problem& problem, const FittedLaw& law) {
   return discounted(residual_power(law.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, law.point) + law.coefficients.squaredNorm() / law.rho;
@@ -134,15 +138,14 @@ void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at)
     laws.push_back({at.function, at.rho, moved(problem.catalogue, at.point, change.head(own)), at.coefficients + change.tail(function), {}, {}});
     change.head(own) = step_between(problem.catalogue, at.point, laws.back().point);
   }
-  const std::vector<Eigen::VectorXd> there = differences_under(problem, smooth, laws);
+  const std::vector<Eigen::VectorXd> changed = changes_to(problem, smooth, at, laws);
   const std::vector<Eigen::Index> rows = first_rows(problem);
   for (std::size_t k = 0; k < groups.size(); ++k) {
-    const Eigen::VectorXd moved_by = there[k] - at.difference;
     for (const Eigen::Index i : groups[k]) {
       if (changes[k](i) == 0.0) continue;  // at its bound
       for (std::size_t r = 0; r + 1 < rows.size(); ++r) {
         auto of_record = at.columns.col(i).segment(rows[r], rows[r + 1] - rows[r]);
-        if (of_record.any()) of_record = moved_by.segment(rows[r], rows[r + 1] - rows[r]) / changes[k](i);
+        if (of_record.any()) of_record = changed[k].segment(rows[r], rows[r + 1] - rows[r]) / changes[k](i);
       }
     }
   }

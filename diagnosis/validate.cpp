@@ -42,6 +42,7 @@ std::unique_ptr<Problem> same_machine(const Problem& problem) {
   other->nuisances = problem.nuisances;
   other->gains = problem.gains;
   other->force_steps = problem.force_steps;
+  other->column_steps = problem.column_steps;
   other->commands_per_row = problem.commands_per_row;
   other->settings = problem.settings;
   other->threads = problem.threads;

@@ -32,9 +32,7 @@ void take(const sim::MachineSettings& nominal, Record record, Problem& problem) 
   admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
 }
 
-ForceSteps steps_of(Problem& problem) {
-  return steps_for_forces(problem, {}, {});
-}
+ForceSteps steps_of(Problem& problem) { return steps_for_forces(problem, {}, {}).of_differences; }
 
 double mean_square(const sim::MachineSettings& nominal, const ForceSteps& steps) {
   Problem problem;
@@ -80,7 +78,7 @@ TEST(ModelStep, WhatEveryMachineDoesGetsWhatItNeedsAsWell) {
   const ForceSteps steps = steps_of(problem);
   ASSERT_TRUE(steps.contains("large_angles"));
   EXPECT_LE(steps.at("large_angles"), kFinest / 2);
-  EXPECT_FALSE(steps_for_forces(problem, std::vector<std::string>{"large_angles"}, {}).contains("large_angles"));
+  EXPECT_FALSE(steps_for_forces(problem, std::vector<std::string>{"large_angles"}, {}).of_differences.contains("large_angles"));
 }
 
 // Judged on a grid of 5 ms (judged_grid.h), into which five of the model's steps go.
