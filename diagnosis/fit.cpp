@@ -57,6 +57,13 @@ Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Poi
   return step;
 }
 
+Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  return gram;
+}
+
 double prior_cost(const Problem& problem, const Point& point) {
   double cost = 0.0;
   for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(problem.nuisances, k, point.nuisance[k]).cost;
@@ -78,14 +85,6 @@ double weight_of(const Problem& problem, const Eigen::VectorXd& difference, doub
   return problem.settings.independent_share * discounted_weight(residual_power(difference, problem.settings), law_freedom);
 }
 
-// Products of the columns with each other.
-Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
-  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
-  return gram;
-}
-
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& gram, double law_freedom) {
   Eigen::MatrixXd system = weight_of(problem, difference, law_freedom) * gram;
@@ -94,7 +93,7 @@ Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eige
 }
 
 Eigen::VectorXd information_of(const Eigen::MatrixXd& columns) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(columns.transpose() * columns, Eigen::EigenvaluesOnly)
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram_of(columns), Eigen::EigenvaluesOnly)
       .eigenvalues()
       .cwiseMax(0.0);
 }
@@ -411,17 +410,27 @@ FitResult nominal_fit(Problem& problem) {
   return fit_at(problem, std::move(nominal));
 }
 
-FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
-  // From the nominal machine directly as well: beside an effect that no parameter follows, a way from far parameters ends at a wrong one.
+FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise) {
   std::optional<FitResult> best_yet;
+  bool has_met = false;  // two ways
+  const auto settle_from = [&](FitResult one) {
+    settle_nuisances(problem, one);
+    has_met = best_yet && std::fabs(one.cost - best_yet->cost) <= problem.settings.settled;
+    if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
+  };
+  // From the nominal machine directly as well: beside an effect that no parameter follows, a way from far parameters ends at a wrong one.
   const auto try_from_afar = [&](std::optional<double> times) {
-    if (best_yet && mean_square(best_yet->difference) <= 1.0) return;
+    if (has_met || (best_yet && mean_square(best_yet->difference) <= 1.0)) return;
     FitResult one = nominal;
     forget_columns(problem, one);
     if (times) settle_from_afar(problem, one, *times, problem.settings.rounds);
-    settle_nuisances(problem, one);
-    if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
+    settle_from(std::move(one));
   };
+  if (ended_otherwise) {
+    FitResult one = fit_at(problem, *ended_otherwise);
+    forget_columns(problem, one);
+    settle_from(std::move(one));
+  }
   for (const double times : kFromAfar) {
     if (!best_yet || mean_square(best_yet->difference) < kNearTheNoise) try_from_afar(times);
   }

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "common/effect.h"
@@ -42,6 +43,9 @@ struct PriorRows {
 };
 PriorRows prior_rows(const Problem& problem, const Point& point);
 
+// Products of columns with each other.
+Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns);
+
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
 
@@ -67,8 +71,9 @@ FitResult fit_at(Problem& problem, Point point);
 // The nominal machine, before anything is fitted.
 FitResult nominal_fit(Problem& problem);
 
-// Where the hypotheses are compared: with the nuisances alone fitted, concluded.
-FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
+// Where the hypotheses are compared: with the nuisances alone fitted, concluded. From the nominal machine in several ways, until two of them end at one cost, for others lead there as
+// well; and from where a fit of a machine that is built a little otherwise has ended, if one has.
+FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise = {});
 
 // Whether no record begins on a machine that has moved before.
 bool all_begin_unmoved(const Problem& problem);

@@ -184,7 +184,7 @@ std::optional<Point> handed_on(const Problem& problem, const FitResult& from, st
   const Eigen::MatrixXd columns = from.columns(Eigen::all, kept);
   const PriorRows prior = prior_rows(problem, start);
   const double weight = data_weight(from.difference, problem.settings);
-  Eigen::MatrixXd system = weight * columns.transpose() * columns;
+  Eigen::MatrixXd system = weight * gram_of(columns);
   system.diagonal() += prior.slope.cwiseAbs2();
   return moved(problem.catalogue, start, -system.ldlt().solve(weight * columns.transpose() * without + prior.value.cwiseProduct(prior.slope)));
 }

@@ -93,7 +93,7 @@ FitResult begin_there(Problem& problem, const std::optional<Point>& begun, const
 
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
 // `take_out` takes what lies near a cause's impacts out of what is judged; where it did, the search ends.
-Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point>& begun, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
+Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point>& begun, std::optional<Point> ended_as_cut, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
                          const std::function<bool(const Point&)>& take_out, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_every_machine_does(problem.catalogue, problem.nominal, asked.without);
@@ -109,7 +109,7 @@ Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point
   };
   const auto search_from = [&](const FitResult& nominal) {
     tell(kFitParameters.from, "fitting the parameters alone");
-    FitResult base = fit_nuisances(problem, begin_there(problem, begun, nominal));
+    FitResult base = fit_nuisances(problem, begin_there(problem, begun, nominal), std::exchange(ended_as_cut, std::nullopt));
     take_of(false, base);
     if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, 1.0, nominal_machine);
     return search_all(problem, std::move(base), asked, shows, tell);
@@ -182,17 +182,22 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
   const auto search_here = [&] {
     problem.nominal = admitted;
     of_every_machine.clear();
+    std::optional<Point> ended_as_cut;  // the fit of the parameters alone
     nominal_machine = nominal_fit(problem);
     const auto may_be_cut_finer = [&] { return nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements; };
     if (nominal_machine.mean_square > 1.0 && !all_begin_unmoved(problem)) {
       ask_for_the_beginning();
-      if (may_be_cut_finer()) take_beginnings(problem, fit_nuisances(problem, begin_there(problem, begun, nominal_machine)), kOwnLogBegun, nominal_machine);
+      if (may_be_cut_finer()) {
+        const FitResult as_cut_alone = fit_nuisances(problem, begin_there(problem, begun, nominal_machine));
+        take_beginnings(problem, as_cut_alone, kOwnLogBegun, nominal_machine);
+        ended_as_cut = as_cut_alone.point;
+      }
     }
     if (may_be_cut_finer()) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
     }
-    return search_as_shown(problem, as_cut, begun, nominal_machine, of_every_machine, {without, settings}, take_out, tell);
+    return search_as_shown(problem, as_cut, begun, std::move(ended_as_cut), nominal_machine, of_every_machine, {without, settings}, take_out, tell);
   };
   const auto search_judged = [&] {
     while (true) {

@@ -47,7 +47,7 @@ class LaterReading {
     const double part = points - std::floor(points);
     for (std::ptrdiff_t side = kSide; side > 0 && part != 0.0; side /= 2) weights_.push_back(weights(part, side));
   }
-  bool is_like(const LaterReading& other) const { return points_ == other.points_; }
+  double points() const { return points_; }
   // What a record's first point reads so many points later.
   FirstReading first(const Record& record) const {
     FirstReading later;
@@ -486,17 +486,17 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     if (!record.acceleration[a].empty()) judged.push_back(a);
   }
   std::vector<Observer> observers;
-  std::vector<LaterReading> position;
-  std::vector<ReadAhead> ahead(shadowings.size());
-  std::vector<std::size_t> reads_as;     // per machine, the first one whose encoders read as late
+  std::vector<LaterReading> position;    // those that differ
+  std::vector<std::size_t> reads_as;     // per machine, which of them
   observers.reserve(shadowings.size());  // machines stay where they are
   std::map<int, std::vector<sim::Machine*>> machines;  // by their steps per step of the grid
   for (Shadowing& shadowing : shadowings) {
-    position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
-    const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
+    const double later = shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay;
+    const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.points() == later; });
     reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
+    if (alike == position.end()) position.emplace_back(later);
     for (const MoreTorques* more : shadowing.more_torques) push(*more, 0, groups, shadowing.follower.to_slew_axis, shadowing.follower.machine.outside);
-    observers.emplace_back(std::move(shadowing.follower), record, position.back().first(record), gains, shadowing.beginning);
+    observers.emplace_back(std::move(shadowing.follower), record, position[reads_as.back()].first(record), gains, shadowing.beginning);
     machines[observers.back().steps()].push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
     for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
@@ -521,14 +521,15 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     return command;
   };
   const bool has_tip = !record.acceleration[kTip].empty();
+  std::vector<ReadAhead> ahead(position.size());
   Observer::Measured measured;
   for (std::size_t n = 0; n < count; ++n) {
     if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
     const std::size_t place = n % kAhead;
+    for (std::size_t p = 0; place == 0 && p < position.size(); ++p) {
+      for (std::size_t i = 0; i < groups; ++i) position[p].read(record.shaft_position[i], n, std::span(ahead[p][i]).first(std::min(kAhead, count - n)));
+    }
     for (std::size_t f = 0; f < shadowings.size(); ++f) {
-      if (place == 0 && reads_as[f] == f) {
-        for (std::size_t i = 0; i < groups; ++i) position[f].read(record.shaft_position[i], n, std::span(ahead[f][i]).first(std::min(kAhead, count - n)));
-      }
       for (std::size_t i = 0; i < groups; ++i) measured.position[i] = ahead[reads_as[f]][i][place];
       const Observer::Moment moment = observers[f].compare(measured);
       for (const MoreTorques* more : shadowings[f].more_torques) observers[f].push(*more, n);

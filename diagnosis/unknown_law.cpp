@@ -19,6 +19,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kRounds = 8;                             // in which the misfit's weight settles; chosen: it falls by ratios
+constexpr double kSameWeight = 1e-9;                   // of it, by which it has settled
 constexpr int kSteps = 6;                              // of a descent, at most; chosen: the fit has settled, and the function is nearly linear
 constexpr int kFresh = 4;                             // times that columns are taken anew, at most
 constexpr double kSettled = 2.0, kSettledShare = 0.01;  // of the cost, that such a round must be worth for another one
@@ -73,7 +74,7 @@ void descend_from(Problem& problem, const SmoothTorques& smooth, FittedLaw& at) 
     const double weight = data_weight(at.difference, problem.settings);
     const Eigen::MatrixXd columns = at.columns * scale.asDiagonal();
     const PriorRows prior = prior_of(problem, at, rho);
-    LocalModel model{weight * columns.transpose() * columns, weight * columns.transpose() * at.difference + prior.value.cwiseProduct(prior.slope)};
+    LocalModel model{weight * gram_of(columns), weight * columns.transpose() * at.difference + prior.value.cwiseProduct(prior.slope)};
     model.curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
     return model;
   };
@@ -126,7 +127,7 @@ void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at)
   const Eigen::Index function = at.coefficients.size(), count = at.columns.cols(), own = count - function;
   const Eigen::VectorXd scale = scale_of(at, at.rho);
   const PriorRows prior = prior_of(problem, at, at.rho);
-  Eigen::MatrixXd curvature = data_weight(at.difference, problem.settings) * (scale.asDiagonal() * (at.columns.transpose() * at.columns) * scale.asDiagonal());
+  Eigen::MatrixXd curvature = data_weight(at.difference, problem.settings) * (scale.asDiagonal() * gram_of(at.columns) * scale.asDiagonal());
   curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
   const Eigen::VectorXd open = scale.cwiseProduct(curvature.ldlt().solve(Eigen::MatrixXd::Identity(count, count)).diagonal().cwiseSqrt());
   const std::vector<std::vector<Eigen::Index>> groups = taken_together(problem, at.columns);
@@ -176,48 +177,71 @@ FittedLaw alone(Problem& problem, const SmoothTorques& smooth, const FittedLaw& 
 }
 
 // By the noise of the nominal machine.
-ByOwnNoise by_nominal_noise(const FittedLaw& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
+ByOwnNoise by_nominal_noise(const FittedLaw& at) { return {at.difference.squaredNorm(), gram_of(at.columns), at.columns.transpose() * at.difference}; }
 
-// The law for every rho from where it stands: z and a move to where the sum of M(residual power - floor) and prior is least for it, by the columns'
-// products with the noise that the residual power is counted by. `plain_gram` are those with the nominal machine's noise, by which information is
-// told. The residual power falls no lower than where the law stands, as in relax(), unless it `may_leave_less`.
-std::vector<UnknownLaw> for_every_scale(const Problem& problem, const FittedLaw& at, double residual_power, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
+// What a law is counted by: the products of its columns with each other and with the differences, by the noise that the residual power is counted by, and that power where the law
+// stands. It falls no lower than that, as in relax(), unless it `may_leave_less`.
+struct Counted {
+  const ByOwnNoise& by_noise;
+  double residual_power = 0.0;
+  bool may_leave_less = false;
+  double prior_besides = 0.0;
+  const MisfitCost& misfit_cost;
+  double floor = 0.0;
+};
+
+// The law for one rho from where it stands: z and a move to where the sum of M(residual power - floor) and prior is least for it.
+UnknownLaw for_scale(const Problem& problem, const FittedLaw& at, double rho, const Counted& counted) {
   const double share = problem.settings.independent_share;
+  const Eigen::VectorXd scale = scale_of(at, rho);
+  const Eigen::MatrixXd gram = scale.asDiagonal() * counted.by_noise.gram * scale.asDiagonal();
+  const Eigen::VectorXd slope = scale.cwiseProduct(counted.by_noise.slope);
+  const PriorRows prior = prior_of(problem, at, rho);
+  UnknownLaw law;
+  law.residual_power = counted.residual_power;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(slope.size());
+  double weight = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    const double weight_before = weight;
+    weight = share * counted.misfit_cost.slope(std::max(0.0, law.residual_power - counted.floor));
+    if (round > 0 && std::fabs(weight - weight_before) <= kSameWeight * weight) break;
+    Eigen::MatrixXd curvature = weight * gram;
+    curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
+    step = curvature.ldlt().solve(-(weight * slope + prior.value.cwiseProduct(prior.slope)));
+    const double change = share * (2.0 * slope.dot(step) + step.dot(gram * step));
+    law.residual_power = counted.residual_power + (counted.may_leave_less ? change : std::max(0.0, change));
+  }
+  law.prior = counted.prior_besides + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho + (prior.value + prior.slope.cwiseProduct(step)).squaredNorm() - prior.value.squaredNorm();
+  return law;
+}
+
+// The law for every rho. `plain_gram` are the columns' products with the nominal machine's noise, by which information is told.
+std::vector<UnknownLaw> for_every_scale(const Problem& problem, const FittedLaw& at, const Eigen::MatrixXd& plain_gram, const Counted& counted) {
   std::vector<UnknownLaw> laws;
   for (const double rho : SmoothTorques::scales()) {
+    UnknownLaw& law = laws.emplace_back(for_scale(problem, at, rho, counted));
     const Eigen::VectorXd scale = scale_of(at, rho);
-    const Eigen::MatrixXd gram = scale.asDiagonal() * by_noise.gram * scale.asDiagonal();
-    const Eigen::VectorXd slope = scale.cwiseProduct(by_noise.slope);
-    const PriorRows prior = prior_of(problem, at, rho);
-    UnknownLaw& law = laws.emplace_back();
-    law.residual_power = residual_power;
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(slope.size());
-    for (int round = 0; round < kRounds; ++round) {
-      const double weight = share * misfit_cost.slope(std::max(0.0, law.residual_power - floor));
-      Eigen::MatrixXd curvature = weight * gram;
-      curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
-      step = curvature.ldlt().solve(-(weight * slope + prior.value.cwiseProduct(prior.slope)));
-      const double change = share * (2.0 * slope.dot(step) + step.dot(gram * step));
-      law.residual_power = residual_power + (may_leave_less ? change : std::max(0.0, change));
-    }
-    law.prior = prior_besides + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho + (prior.value + prior.slope.cwiseProduct(step)).squaredNorm() - prior.value.squaredNorm();
     law.information = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * plain_gram * scale.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
   }
   return laws;
 }
 
-// Which of the laws promises most, by what evidence.h makes of a hypothesis, and how much: -2 ln of its density.
+// For which rho a law promises most, by what evidence.h makes of a hypothesis, and how much: -2 ln of its density.
 struct Promise {
-  std::size_t law = 0;
+  double rho = 0.0;
   double cost = std::numeric_limits<double>::infinity();
 };
-Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evidence, const MisfitCost& misfit_cost, double floor) {
+Promise best_of(const Problem& problem, const FittedLaw& at, const EvidenceSettings& evidence, const Counted& counted) {
   Promise best;
-  for (std::size_t k = 0; k < laws.size(); ++k) {
-    const double above = laws[k].residual_power - floor, left = std::max(0.0, above), weight = evidence.independent_share * misfit_cost.law_slope(left);
-    const double misfit = above > 0.0 ? misfit_cost(above) : misfit_cost.slope(0.0) * above;  // below the floor of the known ones, which it may lower
-    const double cost = misfit + laws[k].prior + (1.0 + weight * laws[k].information.array()).log().sum();
-    if (cost < best.cost) best = {k, cost};
+  for (const double rho : SmoothTorques::scales()) {
+    const UnknownLaw law = for_scale(problem, at, rho, counted);
+    const double above = law.residual_power - counted.floor, left = std::max(0.0, above), weight = evidence.independent_share * counted.misfit_cost.law_slope(left);
+    const double misfit = above > 0.0 ? counted.misfit_cost(above) : counted.misfit_cost.slope(0.0) * above;  // below the floor of the known ones, which it may lower
+    const Eigen::VectorXd scale = scale_of(at, rho);
+    Eigen::MatrixXd told = weight * (scale.asDiagonal() * counted.by_noise.gram * scale.asDiagonal());
+    told.diagonal().array() += 1.0;
+    const double cost = misfit + law.prior + 2.0 * Eigen::LLT<Eigen::MatrixXd>(told).matrixLLT().diagonal().array().log().sum();  // ln of its determinant
+    if (cost < best.cost) best = {rho, cost};
   }
   return best;
 }
@@ -228,7 +252,6 @@ UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual
                          const MisfitCost& misfit_cost, double floor, double least_cost, const FittedLaw* elsewhere) {
   UnknownLaws laws;
   const double prior_besides = fit.prior - prior_cost(problem, fit.point), share = problem.settings.independent_share;
-  const std::vector<double> scales = SmoothTorques::scales();
   std::optional<double> square_before;
   for (const Discrepancy& discrepancy : discrepancies) {
     if (discrepancy.curves.empty() || discrepancy.evidence <= 0.0) continue;
@@ -240,11 +263,11 @@ UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual
       FittedLaw begun{std::move(function), 0.0, fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols())};
       begun.columns << fit.columns, columns;
       const ByOwnNoise plain = by_nominal_noise(begun);
-      const Promise promise = best_of(for_every_scale(problem, begun, residual_power, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
+      const Promise promise = best_of(problem, begun, evidence, {plain, residual_power, true, prior_besides, misfit_cost, floor});
       if (promise.cost >= least.cost) continue;
       least = promise;
       law = std::move(begun);
-      law.rho = scales[least.law];
+      law.rho = promise.rho;
     }
     if (law.function.blocks.empty()) continue;  // none has a finite promise
     settle(problem, smooth, law, least_cost + kNear);
@@ -257,7 +280,7 @@ UnknownLaws unknown_laws(Problem& problem, const FitResult& fit, double residual
     least_cost = std::min(least_cost, cost);
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     const ByOwnNoise by_noise = by_own_noise(problem, law.point, law.difference, law.columns, evidence.discrepancy_count);
-    for (UnknownLaw& one : for_every_scale(problem, law, residual_power + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(law).gram, false, prior_besides, misfit_cost, floor)) {
+    for (UnknownLaw& one : for_every_scale(problem, law, by_nominal_noise(law).gram, {by_noise, residual_power + share * (by_noise.square - *square_before), false, prior_besides, misfit_cost, floor})) {
       one.variable = discrepancy.variable;
       laws.of_every_size.push_back(std::move(one));
     }
