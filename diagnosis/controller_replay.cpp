@@ -17,6 +17,7 @@ constexpr double kRampTimes = 1.5;  // of the slowest change from one top speed 
 constexpr double kFilterTimes = 7.0, kFirstCycles = 3.0;
 // Of the rated torque: a controller that was switched on with the recorder answers its first reading as exactly.
 constexpr double kFreshly = 1e-6;
+constexpr double kTakeUpCycles = 10.0;  // before the controller is known: the integrals of each cycle follow from its own answer, whatever they were before
 constexpr int kTakeUpSteps = 20;    // of the integrals: after each an error remains, what the droop and the filter couple, a small share
 // Of the rated torque: below it a taken-up integral is exact.
 constexpr double kTakenUpExactly = 1e-12;
@@ -208,12 +209,13 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
     while (answer < record.torque.size() && record.torque[answer].answered_sequence < encoder.sequence) ++answer;
     const bool answered =
         answer < record.torque.size() && record.torque[answer].answered_sequence == encoder.sequence;
-    const bool is_known = 1e-9 * static_cast<double>(encoder.simulated_time) > *known_from - 0.5 * record.encoder_period;  // half a cycle: whatever the times are rounded to
+    const double before_known = *known_from - 1e-9 * static_cast<double>(encoder.simulated_time);
+    const bool is_known = before_known < 0.5 * record.encoder_period;  // half a cycle: whatever the times are rounded to
     if (!is_known) {
       // As if the ramp had come to its end already: when it is to be known, it has.
       state.ramp = {};
       state.ramp.speed = state.ramp.target = std::clamp(input.speed_request, -1.0, 1.0) * settings.ramp.top_speed;
-      if (answered) take_up_integrals(settings, input, record.torque[answer], state);
+      if (answered && before_known < kTakeUpCycles * record.encoder_period) take_up_integrals(settings, input, record.torque[answer], state);
     }
     controller::step(settings, state, input, output);
     if (!is_known && answered) std::copy_n(record.torque[answer].motor_torque.begin(), record.group_count, state.commanded_torque.begin());

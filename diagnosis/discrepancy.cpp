@@ -186,13 +186,12 @@ std::vector<MoreTorques> torques_of(const Problem& problem, const Enabled& enabl
 std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double amount, const Enabled& enabled, const std::vector<TorqueShape>& shapes) {
   // Those of an hour at 1 kHz are gigabytes: so many at a time as are simulated side by side.
   const std::size_t together = kSideBySide * static_cast<std::size_t>(std::max(1, problem.threads));
+  const ColumnBase base = column_base(problem, point, difference);
   std::vector<Eigen::VectorXd> columns;
   for (std::size_t first = 0; first < shapes.size(); first += together) {
     std::vector<std::vector<MoreTorques>> torques(std::min(together, shapes.size() - first));
     share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(problem, enabled, amount, shapes[first + i]); });
-    const std::vector<Point> points(torques.size(), point);
-    torques.emplace_back();  // none on the machine as it is
-    for (Eigen::VectorXd& changed : changes(problem, point, difference, points, torques)) columns.push_back(std::move(changed));
+    for (Eigen::VectorXd& changed : changes(problem, base, std::vector<Point>(torques.size(), point), torques)) columns.push_back(std::move(changed));
   }
   return columns;
 }

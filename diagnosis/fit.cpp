@@ -182,7 +182,7 @@ void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& 
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
-  const std::vector<Eigen::VectorXd> changed = changes(problem, point, difference, points);
+  const std::vector<Eigen::VectorXd> changed = changes(problem, column_base(problem, point, difference), points);
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {

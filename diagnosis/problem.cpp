@@ -245,6 +245,9 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   return results;
 }
 
+// With few steps a machine that is stable need not be.
+bool is_followed(const Eigen::VectorXd& difference) { return difference.cwiseAbs().maxCoeff() < kVeryFarOff; }
+
 bool takes_fewer_steps(const Problem& problem, std::span<const common::EffectInstance> effects) {
   return std::any_of(effects.begin(), effects.end(), [&](const common::EffectInstance& effect) {
     const auto few = problem.column_steps.find(effect.name), all = problem.force_steps.find(effect.name);
@@ -264,23 +267,26 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}, problem.force_steps); }
 
-std::vector<Eigen::VectorXd> changes(Problem& problem, const Point& from, const Eigen::VectorXd& difference, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
-  std::vector<Eigen::VectorXd> result;
-  if (takes_fewer_steps(problem, from.effects) || takes_fewer_steps(problem, problem.nominal.effects)) {
-    std::vector<Point> with_from(points.begin(), points.end());
-    with_from.push_back(from);
-    result = differences_under(problem, with_from, torques, problem.column_steps);
-    const Eigen::VectorXd there = std::move(result.back());
-    result.pop_back();
-    // With so few steps a machine that is stable need not be.
-    if (there.cwiseAbs().maxCoeff() < kVeryFarOff) {
-      for (Eigen::VectorXd& one : result) one -= there;
-      return result;
-    }
+ColumnBase column_base(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const std::vector<MoreTorques>& torques) {
+  ColumnBase base{difference, {}};
+  if (!takes_fewer_steps(problem, point.effects) && !takes_fewer_steps(problem, problem.nominal.effects)) return base;
+  Eigen::VectorXd by_few_steps = std::move(differences_under(problem, {&point, 1}, {&torques, 1}, problem.column_steps).front());
+  if (is_followed(by_few_steps)) base.by_few_steps = std::move(by_few_steps);
+  return base;
+}
+
+std::vector<Eigen::VectorXd> changes(Problem& problem, const ColumnBase& base, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques) {
+  const auto changed_by = [&](const ForceSteps& steps, const Eigen::VectorXd& from) {
+    std::vector<Eigen::VectorXd> result = differences_under(problem, points, torques, steps);
+    const bool are_followed = std::all_of(result.begin(), result.end(), is_followed);
+    for (Eigen::VectorXd& one : result) one -= from;
+    return std::pair(std::move(result), are_followed);
+  };
+  if (base.by_few_steps) {
+    auto [result, are_followed] = changed_by(problem.column_steps, *base.by_few_steps);
+    if (are_followed) return std::move(result);
   }
-  result = differences_under(problem, points, torques.first(torques.empty() ? 0 : points.size()), problem.force_steps);
-  for (Eigen::VectorXd& one : result) one -= difference;
-  return result;
+  return changed_by(problem.force_steps, base.difference).first;
 }
 
 }  // namespace slewlab::diagnosis

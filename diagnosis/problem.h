@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -155,9 +156,15 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 // The same, each point under more torques of its own, those of each record, or none.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques);
 
-// By how much the differences of points are others than those of the point `from`, which are `difference`, for columns: where effects act by forces, with the few steps of the model
-// that are enough for them, at both ends. Each point under torques of its own where there are any, `from` under the last of them.
-std::vector<Eigen::VectorXd> changes(Problem& problem, const Point& from, const Eigen::VectorXd& difference, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques = {});
+// Where columns are taken: the differences of a point, and where effects act by forces those by as few of the model's steps as are enough for columns. Under torques where there are any.
+struct ColumnBase {
+  Eigen::VectorXd difference;
+  std::optional<Eigen::VectorXd> by_few_steps;
+};
+ColumnBase column_base(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const std::vector<MoreTorques>& torques = {});
+
+// By how much the differences of other points are others, each under torques of its own where there are any.
+std::vector<Eigen::VectorXd> changes(Problem& problem, const ColumnBase& base, std::span<const Point> points, std::span<const std::vector<MoreTorques>> torques = {});
 
 // Where the differences of each record begin, and where the last ones end.
 std::vector<Eigen::Index> first_rows(const Problem& problem);

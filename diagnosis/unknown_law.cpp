@@ -55,9 +55,9 @@ Eigen::VectorXd difference_under(Problem& problem, const SmoothTorques& smooth, 
 std::vector<Eigen::VectorXd> changes_to(Problem& problem, const SmoothTorques& smooth, const FittedLaw& at, std::span<const FittedLaw> places) {
   std::vector<Point> points;
   for (const FittedLaw& place : places) points.push_back(place.point);
-  std::vector<std::vector<MoreTorques>> torques(places.size() + 1);
-  share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = smooth.torques(problem, at.function, (i < places.size() ? places[i] : at).coefficients); });
-  return changes(problem, at.point, at.difference, points, torques);
+  std::vector<std::vector<MoreTorques>> torques(places.size());
+  share_out(problem, places.size(), [&](std::size_t i) { torques[i] = smooth.torques(problem, at.function, places[i].coefficients); });
+  return changes(problem, column_base(problem, at.point, at.difference, smooth.torques(problem, at.function, at.coefficients)), points, torques);
 }
 
 double cost_of(const Problem& problem, const FittedLaw& law) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "diagnosis/admit.h"
 #include "tests/diagnosis/bench.h"
@@ -79,6 +80,34 @@ TEST(ModelStep, WhatEveryMachineDoesGetsWhatItNeedsAsWell) {
   ASSERT_TRUE(steps.contains("large_angles"));
   EXPECT_LE(steps.at("large_angles"), kFinest / 2);
   EXPECT_FALSE(steps_for_forces(problem, std::vector<std::string>{"large_angles"}, {}).of_differences.contains("large_angles"));
+}
+
+// Columns of the parameters of a machine that sticks, by as few steps as are enough for columns: within a tenth of those that are taken as finely as its differences. Without such steps
+// they are those.
+TEST(ModelStep, ColumnsAskForLess) {
+  Problem problem;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  take(nominal, plc_record(sticking_crane()), problem);
+  ModelSteps steps = steps_for_forces(problem, {}, {});
+  ASSERT_LT(steps.of_columns.at("bearing_coulomb"), steps.of_differences.at("bearing_coulomb"));
+  problem.force_steps = steps.of_differences;
+  const Point from{std::vector<double>(nuisance_count(problem), 0.0), sticking_crane().effects, 0};
+  std::vector<Point> points(problem.nuisances.parameters.size(), from);
+  for (std::size_t k = 0; k < points.size(); ++k) points[k].nuisance[k] = 0.3;
+  const Eigen::VectorXd difference = differences(problem, from);
+  const std::vector<Eigen::VectorXd> fine = changes(problem, column_base(problem, from, difference), points);
+  problem.column_steps = steps.of_columns;
+  const std::vector<Eigen::VectorXd> coarse = changes(problem, column_base(problem, from, difference), points);
+  ASSERT_EQ(coarse.size(), points.size());
+  double of_fine = 0.0, of_error = 0.0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    EXPECT_EQ(fine[k], differences(problem, points[k]) - difference) << k;
+    of_fine += fine[k].squaredNorm();
+    of_error += (coarse[k] - fine[k]).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(of_error / of_fine), 0.1);
+  EXPECT_GT(of_error, 0.0);
 }
 
 // Judged on a grid of 5 ms (judged_grid.h), into which five of the model's steps go.
