@@ -38,6 +38,7 @@ constexpr std::size_t kFewSingles = 5;          // starts that are refined, up t
 constexpr std::size_t kRecurringStarts = 3;      // of a law that recurs: linearly its angles are not told for sure
 constexpr Stage kStartOver{0.0, 0.4};            // of converging
 constexpr Stage kLookAgain{0.5, 0.8};            // of going back
+constexpr std::size_t kExchanges = 2;            // that are tried for each effect of the best pair
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();  // a cost to which every fit comes down
@@ -556,6 +557,34 @@ void take_apart(Problem& problem, const Screening& screening, std::vector<FitRes
   take_cheaper(fits, std::move(found));
 }
 
+// Seconds are looked for beside the best single effect, and that one may only have stood for another one: each effect of the best pair is exchanged for those that promise most beside the
+// other one where the pair stands, and goes on until it settles.
+void exchange_one(Problem& problem, const Screening& screening, const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
+  if (fits.empty() || fits.front().point.effects.size() != 2) return;
+  const FitResult& best = fits.front();
+  std::vector<Point> starts;
+  for (std::size_t exchanged = 0; exchanged < 2; ++exchanged) {
+    Point rest = best.point;
+    rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(exchanged));
+    const FitResult ground = common_ground(problem, best, rest);
+    const Beside beside = look_beside(problem, ground, screening, same_as, [](double, const std::string&) {});
+    std::size_t taken = 0;
+    for (const Screened* screened : worth_a_pair(problem, beside)) {
+      if (taken == kExchanges) break;
+      if (has_effect(best.point.effects, screened->start.name)) continue;
+      ++taken;
+      starts.push_back(with_amount(problem.catalogue, ground.point, *screened, screened->amount));
+    }
+  }
+  const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
+  std::vector<FitResult> tried(starts.size());
+  share_out(problem, starts.size(), [&](std::size_t i) {
+    tried[i] = fit(problem, nuisance_columns, starts[i]);
+    settle(problem, tried[i], kFreshRounds, reach_of(best));
+  });
+  take_cheaper(fits, std::move(tried));
+}
+
 // Of two effects that are the same motion the one that was fitted stands for the other as well.
 void name_both(const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
   for (const auto& [name, other] : same_as) {
@@ -652,6 +681,7 @@ void meet(Problem& problem, const FitResult& base, const Screening& screening, c
   find_other_times(problem, fits);
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
   if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
+  if (settings.joint_pairs > 0) exchange_one(problem, screening, same_as, fits);
   try_recurring(problem, screening, fits);
   tell(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
