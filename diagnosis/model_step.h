@@ -16,7 +16,7 @@
 namespace slewlab::diagnosis {
 
 inline constexpr double kStepShare = 0.1;  // chosen
-// Columns lead a fit to where the differences are small, and are corrected on the way by what each step shows: of them a tenth may be wrong, or where the misfit is small, more.
+// Columns lead a fit to where the differences are small, and are corrected on the way by what each step shows, so that they may be wrong by more.
 inline constexpr double kColumnShare = 0.2;  // of what an effect changes, that fewer steps may change otherwise; chosen
 
 struct ModelSteps {

@@ -558,7 +558,7 @@ void take_apart(Problem& problem, const Screening& screening, std::vector<FitRes
 }
 
 // Seconds are looked for beside the best single effect, and that one may only have stood for another one: each effect of the best pair is exchanged for those that promise most beside the
-// other one where the pair stands, and goes on until it settles.
+// other one where the pair stands, and these go on until they settle.
 void exchange_one(Problem& problem, const Screening& screening, const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.size() != 2) return;
   const FitResult& best = fits.front();
@@ -679,9 +679,11 @@ void meet(Problem& problem, const FitResult& base, const Screening& screening, c
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders), reach_of(fits.front(), reach));
   tell(0.45, "looking for when effects act");
   find_other_times(problem, fits);
-  if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
-  if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
-  if (settings.joint_pairs > 0) exchange_one(problem, screening, same_as, fits);
+  if (settings.joint_pairs > 0) {
+    look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
+    take_apart(problem, screening, fits);
+    exchange_one(problem, screening, same_as, fits);
+  }
   try_recurring(problem, screening, fits);
   tell(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
