@@ -6,18 +6,11 @@
 //   EXPECT_EQ(guard.count(), 0);
 //
 // Include it in exactly ONE source file of a test program: it replaces malloc and its kin for the whole
-// program. With the sanitizers, which replace them too, only operator new is counted.
+// program. The sanitizers, which replace them themselves, are asked for what they give.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
-#include <new>
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLEWLAB_COUNTS_MALLOC 0
-#else
-#define SLEWLAB_COUNTS_MALLOC 1
-#endif
 
 namespace slewlab::tests {
 
@@ -34,7 +27,7 @@ class AllocationGuard {
 
 }  // namespace slewlab::tests
 
-#if SLEWLAB_COUNTS_MALLOC
+#ifndef SLEWLAB_SANITIZED
 
 // glibc's own allocation functions under the names by which a replacement may call them.
 extern "C" {
@@ -68,21 +61,10 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexc
 
 #else
 
-// operator new counts itself where malloc cannot be replaced; the aligned forms are left to the sanitizer.
-void* operator new(std::size_t size) {
-  ++slewlab::tests::allocation_count;
-  if (void* const memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
+#include <sanitizer/allocator_interface.h>
+
+namespace slewlab::tests {
+inline const int hooks_installed = __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { ++allocation_count; }, [](const volatile void*) {});
 }
-void* operator new[](std::size_t size) { return operator new(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++slewlab::tests::allocation_count;
-  return std::malloc(size == 0 ? 1 : size);
-}
-void* operator new[](std::size_t size, const std::nothrow_t& no_throw) noexcept { return operator new(size, no_throw); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 #endif

@@ -443,7 +443,7 @@ void MessageInvariants::look_at(const msgs::PlantStatus& status, Findings& findi
 }
 
 MemoryUse memory_use() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SLEWLAB_SANITIZED
   return {};  // the sanitizers keep what is freed
 #endif
   constexpr std::int64_t kKilobyte = 1024;

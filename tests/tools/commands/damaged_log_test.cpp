@@ -23,7 +23,7 @@ const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kThesis = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
 const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // whose shadow takes more address space than any limit, and ten times as long
+#ifdef SLEWLAB_SANITIZED  // whose shadow takes more address space than any limit, and ten times as long
 constexpr const char *kMemory = "unlimited", *kPatience = "1200";
 #else
 constexpr const char* kMemory = "4000000";  // [KiB] of address space: ten times what the whole log takes

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 const std::string kPrograms = SLEWLAB_BINARY_DIR "/bin/";
 
 TEST(Home, NoFolderOfThisMachineIsBuiltIntoThePrograms) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SLEWLAB_SANITIZED
   GTEST_SKIP() << "the sanitizers' reports name source files";
 #endif
   for (const char* name : {"slewlab", "slewlab-plant", "slewlab-controller"}) {

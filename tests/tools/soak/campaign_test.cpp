@@ -172,7 +172,7 @@ TEST(Campaign, AWorkerThatDiesTakesOnlyItsTaskWithIt) {
 }
 
 TEST(Campaign, AWorkerThatLeaksIsNoticed) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SLEWLAB_SANITIZED
   GTEST_SKIP() << "the sanitizer's allocator does not count here";
 #endif
   const TemporaryFolder folder;

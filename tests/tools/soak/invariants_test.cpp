@@ -539,7 +539,7 @@ TEST(Memory, GrowthIsNoticedAndItsBoundHolds) {
 }
 
 TEST(Memory, WhatIsAllocatedAndUsedShows) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SLEWLAB_SANITIZED
   GTEST_SKIP() << "the sanitizer's allocator does not count here";
 #endif
   const MemoryUse before = memory_use();
