@@ -25,6 +25,10 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=(address|thread)")
     execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${runtime} OUTPUT_VARIABLE SLEWLAB_SANITIZER_RUNTIME
                     OUTPUT_STRIP_TRAILING_WHITESPACE)
     execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.so.6 OUTPUT_VARIABLE cxx_runtime OUTPUT_STRIP_TRAILING_WHITESPACE)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")  # whose programs have a runtime of their own unless they are told of this one
+      get_filename_component(runtime_folder ${SLEWLAB_SANITIZER_RUNTIME} DIRECTORY)
+      add_link_options(-shared-libsan LINKER:-rpath,${runtime_folder})
+    endif()
     string(APPEND SLEWLAB_SANITIZER_RUNTIME ":${cxx_runtime}")
   endif()
 endif()

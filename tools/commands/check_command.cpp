@@ -154,7 +154,7 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const sim::
   }
 }
 
-void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
+void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, FileFindings& found) {
   sim::MachineFile crane;
   try {
     crane = sim::load_machine_file(file, overrides);
@@ -167,7 +167,7 @@ void check_machine_file(const std::filesystem::path& file, const std::vector<com
 }
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
-                    Findings& found) {
+                    FileFindings& found) {
   InputProblems& problems = found.problems;
   const sim::Scenario scenario = sim::read_scenario_file(file, overrides, problems);
   const bool whole = problems.empty();
@@ -219,8 +219,8 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
 
 }  // namespace
 
-Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by) {
-  Findings found;
+FileFindings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by) {
+  FileFindings found;
   const std::optional<YamlNode> kind = kind_of(file, found.problems);
   if (!kind) return found;
   found.problems.clear();
@@ -315,7 +315,7 @@ int check_files(const std::vector<std::filesystem::path>& files,
                 const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints) {
   int exit_code = 0;
   for (const std::filesystem::path& file : files) {
-    const Findings found = examine(file, overrides);
+    const FileFindings found = examine(file, overrides);
     if (found.problems.empty()) {
       warn(found.warnings, complaints);
       warn(remarks_on_template(file), complaints);

@@ -11,7 +11,7 @@
 
 namespace slewlab::tools {
 
-struct Findings {
+struct FileFindings {
   common::InputProblems problems;     // what a run would refuse
   std::vector<std::string> warnings;  // what is possible and yet unlikely, or takes long: a line each, with file and key
 };
@@ -22,7 +22,7 @@ enum class ControllerBy { slewlab, user };
 // All that is to be said of one file, whichever kind it says it is (`kind: crane | controller | scenario`). A scenario is
 // examined with the crane and the controller that it names, and how they fit together; effects against the catalogue, and
 // whether the crane with them can be built.
-Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {},
+FileFindings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {},
                  ControllerBy by = ControllerBy::slewlab);
 
 // The problem of a file that says it is of another kind than this one; none where it cannot be read or says nothing.

@@ -330,7 +330,7 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   const Words words = words_of(axis);
-  Findings findings(options.out);
+  FindingsFolder findings(options.out);
   nlohmann::json json = to_json(found, axis, words);
   json["axis"] = std::filesystem::absolute(options.crane).string();
   for (std::size_t r = 0; r < runs.size(); ++r) json["series"].push_back({{"log", runs[r].name}, {"file", fmt::format("series_{}.csv", r + 1)}});

@@ -597,7 +597,7 @@ std::string crane_text(const Made& made) {
   return text;
 }
 
-void write_machines(const Made& made, Findings& findings) {
+void write_machines(const Made& made, FindingsFolder& findings) {
   findings.write("crane_with_effect.yaml", crane_text(made));
   findings.write("crane_as_fitted.yaml",
                  "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
@@ -615,7 +615,7 @@ void write_machines(const Made& made, Findings& findings) {
 std::string write_findings(const Made& made, const std::vector<Record>& records, const diagnosis::Thresholds& thresholds) {
   const Diagnosis& found = made.found;
   const DiagnoseOptions& options = made.options;
-  Findings findings(options.out);
+  FindingsFolder findings(options.out);
   nlohmann::json json = to_json(found, made.is_damaged);
   const ToldApartBy apart = told_apart_by(made.cut, made.controller, found);
   if (!apart.empty()) json["told_apart_by"] = told_apart_json(made, apart);

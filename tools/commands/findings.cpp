@@ -8,18 +8,18 @@
 
 namespace slewlab::tools {
 
-Findings::Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
+FindingsFolder::FindingsFolder(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
   make_output_folder(folder_);
 }
 
-Findings::~Findings() {
+FindingsFolder::~FindingsFolder() {
   if (is_whole_) return;
   std::error_code ignored;
   for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
   if (is_new_) std::filesystem::remove(folder_, ignored);
 }
 
-void Findings::write(const std::string& name, const std::string& text) {
+void FindingsFolder::write(const std::string& name, const std::string& text) {
   write_whole_file(folder_ / name, text);
   written_.push_back(folder_ / name);
 }

@@ -8,12 +8,12 @@
 namespace slewlab::tools {
 
 // Where the disk is full, or the work ends before keep(), everything that was written goes again.
-class Findings {
+class FindingsFolder {
  public:
-  explicit Findings(std::filesystem::path folder);
-  ~Findings();
-  Findings(const Findings&) = delete;
-  Findings& operator=(const Findings&) = delete;
+  explicit FindingsFolder(std::filesystem::path folder);
+  ~FindingsFolder();
+  FindingsFolder(const FindingsFolder&) = delete;
+  FindingsFolder& operator=(const FindingsFolder&) = delete;
 
   void write(const std::string& name, const std::string& text);
   void keep() { is_whole_ = true; }

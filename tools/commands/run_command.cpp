@@ -673,7 +673,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
   try {
     const ControllerBy by = controller_words(options).empty() ? ControllerBy::slewlab : ControllerBy::user;
     if (const common::InputProblems other = problems_of_another_kind(options.scenario, "scenario"); !other.empty()) throw common::InputError(other);
-    const Findings found = examine(options.scenario, options.overrides, by);
+    const FileFindings found = examine(options.scenario, options.overrides, by);
     if (!found.problems.empty()) {
       complain(found.problems, std::cerr);
       return 2;

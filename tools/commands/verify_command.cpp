@@ -71,7 +71,7 @@ int verify(const VerifyOptions& options, std::ostream& out, std::ostream& compla
   }
   for (const VerificationSection& section : verification_sections()) {
     for (const VerificationRow& row : section.compute(runs)) {
-      (row.verdict == Verdict::kPass ? passed : row.verdict == Verdict::kMisses ? missed : unreachable) += 1;
+      (row.verdict == RowVerdict::kPass ? passed : row.verdict == RowVerdict::kMisses ? missed : unreachable) += 1;
       if (options.json) {
         rows.push_back(to_json(row));
         continue;

@@ -10,11 +10,11 @@ constexpr double kOfRounding = 1e-12;  // relative: some thousand roundings of a
 
 }  // namespace
 
-const char* name_of(Verdict verdict) {
+const char* name_of(RowVerdict verdict) {
   switch (verdict) {
-    case Verdict::kPass: return "pass";
-    case Verdict::kMisses: return "misses";
-    case Verdict::kCannotBeReached: return "cannot be reached";
+    case RowVerdict::kPass: return "pass";
+    case RowVerdict::kMisses: return "misses";
+    case RowVerdict::kCannotBeReached: return "cannot be reached";
   }
   return "";
 }
@@ -32,14 +32,14 @@ VerificationRow judge(VerificationRow row) {
     case Criterion::kAtMost: pass = row.ours <= row.thesis; break;
     case Criterion::kAtLeast: pass = row.ours >= row.thesis; break;
   }
-  row.verdict = pass ? Verdict::kPass : Verdict::kMisses;
+  row.verdict = pass ? RowVerdict::kPass : RowVerdict::kMisses;
   return row;
 }
 
 VerificationRow judge_unreachable(VerificationRow row, const std::string& why) {
   row = judge(std::move(row));
-  if (row.verdict == Verdict::kMisses) {
-    row.verdict = Verdict::kCannotBeReached;
+  if (row.verdict == RowVerdict::kMisses) {
+    row.verdict = RowVerdict::kCannotBeReached;
     row.note = why;
   }
   return row;
@@ -56,7 +56,7 @@ VerificationRow row(Criterion criterion, std::string id, std::string what, std::
                 .ours = ours,
                 .criterion = criterion,
                 .tolerance = tolerance,
-                .verdict = Verdict::kMisses,
+                .verdict = RowVerdict::kMisses,
                 .note = std::move(note)});
 }
 

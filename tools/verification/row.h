@@ -13,8 +13,8 @@ enum class Criterion {
   kAtLeast,   // ours >= thesis
 };
 
-enum class Verdict { kPass, kMisses, kCannotBeReached };
-const char* name_of(Verdict verdict);
+enum class RowVerdict { kPass, kMisses, kCannotBeReached };
+const char* name_of(RowVerdict verdict);
 
 struct VerificationRow {
   std::string id;    // table, figure or section of the thesis
@@ -24,7 +24,7 @@ struct VerificationRow {
   double ours = 0.0;
   Criterion criterion = Criterion::kRelative;
   double tolerance = 0.0;  // unused for a bound
-  Verdict verdict = Verdict::kMisses;
+  RowVerdict verdict = RowVerdict::kMisses;
   std::string note;  // what was compared; why a row cannot be reached
 };
 

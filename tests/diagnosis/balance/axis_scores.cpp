@@ -66,7 +66,7 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
     tally.family += drawn.laws.empty() ? !is_named : is_named && is_friction;
     if (is_wrong) error = "WRONG AND SURE ";
     const Split split = split_of(axis, drawn.runs, drawn.unseen);
-    const Prediction ours = predicted(split, found), theirs = least_squares(split);
+    const UnseenErrors ours = predicted(split, found), theirs = least_squares(split);
     balance = ours.balance / theirs.balance;
     forward = ours.forward / theirs.forward;
     ++tally.predicted;

@@ -90,7 +90,7 @@ NamedRun load(const std::string& name, const std::string& file, const sim::Machi
 
 struct Judged {
   AxisDiagnosis found;
-  Prediction ours, by_least_squares;
+  UnseenErrors ours, by_least_squares;
 };
 
 // Masses and forces times `factor`.

@@ -130,7 +130,7 @@ Split split_of(const sim::MachineFile& axis, const std::vector<NamedRun>& fitted
   return split;
 }
 
-Prediction least_squares(const Split& split) {
+UnseenErrors least_squares(const Split& split) {
   const int reach_of_all = reach_of(split);
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(kParts, kParts);
   Eigen::VectorXd with = Eigen::VectorXd::Zero(kParts);
@@ -164,7 +164,7 @@ Prediction least_squares(const Split& split) {
   return {balance.rms(), forward.rms()};
 }
 
-Prediction predicted(const Split& split, const AxisDiagnosis& found) {
+UnseenErrors predicted(const Split& split, const AxisDiagnosis& found) {
   const int reach_of_all = reach_of(split);
   const BalanceModel& model = found.answer.best;
   Sum balance, forward;

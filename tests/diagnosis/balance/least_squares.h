@@ -16,12 +16,12 @@ struct Split {
 Split split_of(const sim::MachineFile& axis, const std::vector<NamedRun>& fitted, const std::vector<NamedRun>& unseen);
 
 // RMS over all unseen records.
-struct Prediction {
+struct UnseenErrors {
   double balance = 0.0;  // of the torque balance, where the axis moves
   double forward = 0.0;  // of measured minus simulated speed
 };
 
-Prediction least_squares(const Split& split);
-Prediction predicted(const Split& split, const AxisDiagnosis& found);
+UnseenErrors least_squares(const Split& split);
+UnseenErrors predicted(const Split& split, const AxisDiagnosis& found);
 
 }  // namespace slewlab::diagnosis

@@ -56,7 +56,7 @@ class CheckCommand : public testing::Test {
     std::ofstream(folder_ / "written.yaml") << text;
     return folder_ / "written.yaml";
   }
-  static std::string told(const Findings& found) {
+  static std::string told(const FileFindings& found) {
     std::string said;
     for (const auto& problem : found.problems) said += common::to_text(problem) + '\n';
     return said;

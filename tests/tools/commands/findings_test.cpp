@@ -13,14 +13,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // A diagnosis that ends half way leaves no half of an answer.
-TEST(Findings, GoAgainWhereTheWorkEndsBeforeTheyAreWhole) {
+TEST(FindingsFolder, GoAgainWhereTheWorkEndsBeforeTheyAreWhole) {
   const TemporaryFolder folder;
   const fs::path there = folder.path() / "there", made = folder.path() / "made";
   fs::create_directory(there);
   std::ofstream(there / "notes.txt") << "somebody's own";
   for (const fs::path& out : {there, made}) {
     try {
-      Findings findings(out);
+      FindingsFolder findings(out);
       findings.write("diagnosis.json", "{}");
       EXPECT_TRUE(fs::exists(out / "diagnosis.json"));
       throw std::runtime_error("interrupted");
@@ -32,10 +32,10 @@ TEST(Findings, GoAgainWhereTheWorkEndsBeforeTheyAreWhole) {
   EXPECT_FALSE(fs::exists(made)) << "a folder that was made for it";
 }
 
-TEST(Findings, StayWhereTheyAreWhole) {
+TEST(FindingsFolder, StayWhereTheyAreWhole) {
   const TemporaryFolder folder;
   {
-    Findings findings(folder.path() / "out");
+    FindingsFolder findings(folder.path() / "out");
     findings.write("summary.txt", "no effect is missing\n");
     findings.keep();
   }

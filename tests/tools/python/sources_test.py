@@ -73,6 +73,44 @@ class LengthTest(unittest.TestCase):
         self.assertEqual([f"{path.relative_to(REPOSITORY)}:{line}" for path in sources for line in long_functions(path)], [])
 
 
+def defined_types(text):
+    """Names of the classes, structures and enumerations that a source defines for every other one to see: those of a scope without a name are its own."""
+    scopes, names = [], []
+    for line in text.splitlines():
+        if scope := re.match(r"namespace\b(.*)\{", line):
+            scopes.append(scope[1].strip())
+        elif re.match(r"\}\s*// namespace", line):
+            scopes.pop()
+        elif (kind := re.match(r"(?:struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)(?!\w|::)[^;]*\{", line)) and all(scopes):
+            names.append("::".join([*scopes, kind[1]]))
+    return names
+
+
+class DefinitionTest(unittest.TestCase):
+    """Two types of one name and scope are one to the linker: where one of them has a destructor, it ends objects of the other."""
+
+    def test_what_a_source_has_to_itself_is_no_definition_for_others(self):
+        scope = "namespace a::b {{\nnamespace {{\nstruct C {{\n}};\n}}  // namespace\n{}}}  // namespace a::b\n"
+        self.assertEqual(defined_types(scope.format("")), [])
+        self.assertEqual(defined_types(scope.format("class C;\nstruct D::E {\n};\n")), [])
+        self.assertEqual(defined_types(scope.format("class C : public D {\n};\nenum class F { g };\n")), ["a::b::C", "a::b::F"])
+
+    def test_no_name_is_defined_twice(self):
+        def definitions(room):
+            for path in sorted((REPOSITORY / room).rglob("*")):
+                if path.suffix in (".h", ".cpp"):
+                    yield from ((name, str(path.relative_to(REPOSITORY))) for name in defined_types(path.read_text(encoding="utf-8")))
+
+        where = {}
+        for name, file in (each for room in ROOMS for each in definitions(room)):
+            where.setdefault(name, []).append(file)
+        for name, file in definitions("tests"):  # which are programs of their own, with one library or another
+            if name in where:
+                where[name].append(file)
+        self.assertGreater(len(where), 500)
+        self.assertEqual({name: files for name, files in where.items() if len(files) > 1}, {})
+
+
 class TidyTest(unittest.TestCase):
     def run_tidy(self, *words, timeout=60):
         return subprocess.run([REPOSITORY / "tools" / "tidy", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout, env=ENVIRONMENT)

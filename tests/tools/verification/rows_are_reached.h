@@ -19,9 +19,9 @@ inline void expect_rows_reached(const VerificationSection& section) {
   const VerificationRows rows = section.compute(runs);
   ASSERT_FALSE(rows.empty());
   for (const VerificationRow& row : rows) {
-    EXPECT_NE(row.verdict, Verdict::kMisses)
+    EXPECT_NE(row.verdict, RowVerdict::kMisses)
         << row.id << " " << row.what << ": thesis " << row.thesis << ", ours " << row.ours << " " << row.unit;
-    EXPECT_FALSE(row.verdict == Verdict::kCannotBeReached && row.note.empty()) << row.id << " " << row.what;
+    EXPECT_FALSE(row.verdict == RowVerdict::kCannotBeReached && row.note.empty()) << row.id << " " << row.what;
   }
 }
 

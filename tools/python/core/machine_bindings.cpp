@@ -71,7 +71,7 @@ std::vector<FileValue> file_values(const std::filesystem::path& file, const Chan
 
 // What `slewlab check` says: problems, warnings.
 std::pair<std::vector<std::string>, std::vector<std::string>> check(const std::filesystem::path& file, const Changes& changes) {
-  const Findings found = examine(file, overrides_of(changes));
+  const FileFindings found = examine(file, overrides_of(changes));
   std::vector<std::string> problems;
   for (const common::InputProblem& problem : found.problems) problems.push_back(common::to_text(problem));
   return {problems, found.warnings};
