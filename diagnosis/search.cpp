@@ -99,7 +99,8 @@ void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count,
     const double to_reach = reach_of(fits.front(), reach);
     std::atomic<bool> comes_on{false};
     share_out(problem, now, [&](std::size_t i) {
-      if (fits[i].cost <= to_reach && to_reach < kAnywhere) return;
+      const bool is_there = fits[i].cost <= to_reach, stands_still_far_off = fits[i].idle_rounds > 0 && fits[i].cost > to_reach + kNearRival;
+      if ((is_there || stands_still_far_off) && to_reach < kAnywhere) return;
       const double before = fits[i].cost;
       settle(problem, fits[i], 1);
       if (would_come_down(before, fits[i].cost, kFreshRounds, to_reach)) comes_on = true;
@@ -558,10 +559,12 @@ void take_apart(Problem& problem, const Screening& screening, std::vector<FitRes
 }
 
 // Seconds are looked for beside the best single effect, and that one may only have stood for another one: each effect of the best pair is exchanged for those that promise most beside the
-// other one where the pair stands, and these go on until they settle.
+// other one where the pair stands, and these go on until they settle. Not where a single effect is near the pair and leaves noise alone.
 void exchange_one(Problem& problem, const Screening& screening, const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.size() != 2) return;
   const FitResult& best = fits.front();
+  const auto is_enough = [&](const FitResult& one) { return one.point.effects.size() == 1 && reach_of(one) <= best.cost + kNearRival; };
+  if (std::any_of(fits.begin(), fits.end(), is_enough)) return;
   std::vector<Point> starts;
   for (std::size_t exchanged = 0; exchanged < 2; ++exchanged) {
     Point rest = best.point;

@@ -153,11 +153,12 @@ void renew_columns(Problem& problem, const SmoothTorques& smooth, FittedLaw& at)
 }
 
 // From where it stands, and on with fresh columns as long as they are worth it. Not where it would not come down to `reach` if they gave as much again as the columns that it
-// has: most laws are not what is missing.
+// has: most laws are not what is missing. Nor where there is noise alone and they take nothing away from it.
 void settle(Problem& problem, const SmoothTorques& smooth, FittedLaw& law, double reach) {
   const double begun = cost_of(problem, law);
   descend_from(problem, smooth, law);
-  if (!would_come_down(begun, cost_of(problem, law), 1, reach)) return;
+  const double come_to = cost_of(problem, law);
+  if (!would_come_down(begun, come_to, 1, reach) || (begun - come_to < kEnough && mean_square(law.difference) <= 1.0)) return;
   for (int fresh = 0; fresh < kFresh; ++fresh) {
     const double before = cost_of(problem, law);
     renew_columns(problem, smooth, law);

@@ -4,7 +4,6 @@ import base64
 import contextlib
 import itertools
 import json
-import os
 import re
 import subprocess
 import tempfile
@@ -12,6 +11,7 @@ import time
 import urllib.request
 from pathlib import Path
 
+from sanitizer import ENVIRONMENT_OF_OTHERS
 from websockets.sync.client import connect
 
 PROGRAM = "chromium"
@@ -29,7 +29,7 @@ class Browser:
              "--disable-background-timer-throttling", "--disable-renderer-backgrounding", "--disable-backgrounding-occluded-windows",
              "--remote-debugging-port=0", f"--user-data-dir={self.profile.name}", "about:blank"],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env={name: value for name, value in os.environ.items() if name != "LD_PRELOAD"})  # a sanitizer's runtime is not for it
+            env=ENVIRONMENT_OF_OTHERS)
         told = Path(self.profile.name) / "DevToolsActivePort"
         until(lambda: told.is_file() and "\n" in told.read_text(), "Chromium tells its port")
         self.port = told.read_text().split()[0]

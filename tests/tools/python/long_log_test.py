@@ -1,7 +1,6 @@
 """Logs longer than one would like to hold in memory: what is made of them costs no more memory than of a short one, and a
 page of them shows every peak."""
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +16,7 @@ from envelope import BINS, MOST_POINTS, Envelope, thinned
 from event_rows import event_type, fill_heads
 from run_log import RunLog
 from run_numbers import numbers, read_run
+from sanitizer import IS_SANITIZED
 
 PERIOD = 1_000_000  # [ns]
 PEAK = 7.0          # [m/s^2] of one sample
@@ -55,7 +55,7 @@ class LongLogTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return int(done.stdout.split()[-1]) * 1024
 
-    @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
+    @unittest.skipIf(IS_SANITIZED, "a sanitizer keeps what is freed")
     def test_memory_does_not_grow_with_the_log(self):
         out = str(self.folder / "out")
         for module, arguments in (("report", ["--quiet"]), ("export", ["--format", "parquet"]), ("export", ["--format", "csv"]),
@@ -66,7 +66,7 @@ class LongLogTest(unittest.TestCase):
                                for log in (self.short, self.long))
                 self.assertLess(long - short, 0.2 * self.longer, (short, long))
 
-    @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
+    @unittest.skipIf(IS_SANITIZED, "a sanitizer keeps what is freed")
     def test_memory_does_not_grow_with_data_that_are_imported(self):
         (self.folder / "map.yaml").write_text("kind: import_map\ntime: {column: t, unit: s}\nresample: mean\nrate: {value: 900, unit: Hz, source: test}\n"
                                               "shaft_position: [{column: x, unit: rad}]\nshaft_speed: [{derive: central_difference}]\n"
@@ -83,7 +83,7 @@ class LongLogTest(unittest.TestCase):
         longer = 3_000_000 * 3 * 8  # [bytes] of the three columns; what a process holds at most differs by some 10 MB from run to run
         self.assertLess(most[1] - most[0], 0.35 * longer, most)
 
-    @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
+    @unittest.skipIf(IS_SANITIZED, "a sanitizer keeps what is freed")
     def test_the_readers_memory_does_not_grow_with_the_log(self):
         def most(log):
             return self.most_memory("from pathlib import Path\nfrom extension_module import loaded\n"

@@ -2,7 +2,6 @@
 so that the suite looks at the two rooms that everything stands on; tools/tidy looks at all of them."""
 
 import ast
-import os
 import re
 import runpy
 import subprocess
@@ -13,15 +12,15 @@ from pathlib import Path
 import yaml
 
 from run_log import REPOSITORY
+from sanitizer import ENVIRONMENT_OF_OTHERS
 
-ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's runtime is not for them
 ROOMS = ("common", "controller", "diagnosis", "examples", "msgs", "sim", "tools")
 MOST_LINES = 100  # of a function, its name and arguments left out
 
 
 class FormatTest(unittest.TestCase):
     def test_the_sources_have_their_form(self):
-        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, env=ENVIRONMENT_OF_OTHERS)
         self.assertEqual((ended.returncode, ended.stdout + ended.stderr), (0, ""))
 
     def test_spaces_change_within_a_line_and_nothing_else_does(self):
@@ -113,7 +112,7 @@ class DefinitionTest(unittest.TestCase):
 
 class TidyTest(unittest.TestCase):
     def run_tidy(self, *words, timeout=60):
-        return subprocess.run([REPOSITORY / "tools" / "tidy", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout, env=ENVIRONMENT)
+        return subprocess.run([REPOSITORY / "tools" / "tidy", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout, env=ENVIRONMENT_OF_OTHERS)
 
     def test_clang_tidy_finds_no_slip(self):
         ended = self.run_tidy("-j", "1", "common", "controller", timeout=550)  # another test runs beside
