@@ -53,13 +53,15 @@ Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
   return diagnose_truth(truth, controller, seed, settings);
 }
 
+constexpr double kThere = 13.0;  // [s] of kThereAndBack: begun, turned, braked; all that a controller does
+
 // A ramp far from the settings' makes a replayed integral run away; its own times and shape are exact, so the fit must be.
 TEST(FitController, FindsARampFarFromTheSettings) {
   const common::EffectInstance ramp{"other_ramp", {1.14, -0.05}};
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   std::vector<Record> records;
-  records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, {ramp}), kThereAndBack, kDuration, 5),
+  records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, {ramp}), kThereAndBack, kThere, 5),
                                 "a", bench().admission));
   const std::vector<ControllerCause> found = fit_controller(records, bench().controller, {});
   ASSERT_EQ(found.front().effects.size(), 1u);
@@ -75,7 +77,7 @@ TEST(FitController, FindsTwoEffectsOfOneController) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   std::vector<Record> records;
-  records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, both), kThereAndBack, kDuration, 7),
+  records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, both), kThereAndBack, kThere, 7),
                                 "a", bench().admission));
   const ControllerCause first = fit_controller(records, bench().controller, {}).front();
   EXPECT_LT(first.share_left, 1e-9);
@@ -93,7 +95,7 @@ TEST(FitController, FindsAnEffectOfAControllerThatWasOnBefore) {
   for (const common::EffectInstance& effect : effects) {
     sim::MachineSettings truth;
     truth.crane = bench().crane;
-    msgs::RunLog log = simulated_log(truth, controller::with_effects(bench().controller, {effect}), kThereAndBack, kDuration, 5);
+    msgs::RunLog log = simulated_log(truth, controller::with_effects(bench().controller, {effect}), kThereAndBack, kThere, 5);
     leave_out_beginning(log, 1500);
     const std::vector<Record> records{make_record(log, "a", bench().admission)};
     const ControllerCause first = fit_controller(records, bench().controller, {}).front();
