@@ -24,6 +24,9 @@ endforeach()
 
 file(GLOB_RECURSE installed ${place}/prefix/*)
 list(APPEND installed ${place}/build/stop_study)
+if(FLAGS MATCHES "-fsanitize")  # whose reports name source files
+  set(installed)
+endif()
 foreach(file IN LISTS installed)
   file(STRINGS ${file} lines REGEX "${SOURCE}/(common|msgs|controller|sim|diagnosis|tools|build)")
   if(lines)
