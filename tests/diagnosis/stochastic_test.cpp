@@ -21,6 +21,7 @@ std::unique_ptr<Problem> one_channel() {
   auto problem = std::make_unique<Problem>();
   Whitening whitening;
   whitening.first_bin = 10;
+  whitening.bin_width = 0.05;  // [Hz]
   whitening.bin_count = kBins;
   whitening.channels.push_back({true, 0});
   whitening.weight.push_back(Eigen::VectorXd::Ones(kBins));
