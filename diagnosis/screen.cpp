@@ -305,11 +305,13 @@ std::vector<const Screened*> best_of_each(const Screening& screening) {
   return best_of_each(std::move(tried));
 }
 
+std::vector<common::EffectInstance> with_quarters(const common::EffectAbout& about, const common::EffectInstance& start) { return all_turned(start, turning_angles(about), 1); }
+
 std::vector<common::EffectInstance> best_starts(const Problem& problem, const Screening& screening) {
   std::vector<common::EffectInstance> starts;
   for (const Screened* screened : best_of_each(screening)) {
     const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
-    const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
+    const std::vector<common::EffectInstance> turned = with_quarters(about, screened->start);
     starts.insert(starts.end(), turned.begin(), turned.end());
     if (about.spell) {  // when, cannot be told before the place is known
       const std::vector<common::EffectInstance> all = starts_of(about, last_moment(problem), problem.thresholds.spell_every);

@@ -124,6 +124,9 @@ std::vector<common::EffectInstance> what_every_machine_does(const common::Effect
 std::vector<const Screened*> best_of_each(const Screening& screening);
 std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened);
 
+// The start, and where it has angles those a quarter turn on, in every combination: enough to tell what lies between.
+std::vector<common::EffectInstance> with_quarters(const common::EffectAbout& about, const common::EffectInstance& start);
+
 // The best of each effect, and where it has angles that one a quarter turn on: enough to look from elsewhere.
 std::vector<common::EffectInstance> best_starts(const Problem& problem, const Screening& screening);
 

@@ -22,7 +22,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kLeastPairGain = 25.0;         // fall of the residual power below the best single effect's, forecast, to try a pair
-constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
+constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are indistinguishable
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
 constexpr int kFreshRounds = 10;                // at most, for a leader
@@ -165,8 +165,13 @@ void take_cheaper(std::vector<FitResult>& fits, std::vector<FitResult> others) {
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
+Point without_effect(Point point, std::size_t left_out) {
+  point.effects.erase(point.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+  return point;
+}
+
 // A fit's machine without one of its effects, where the parameters and the others say, by the fit's own columns, what that one said. Where it is just taken away,
-// the residual is large, counts little, and the descent ends where the parameters have gone to meet it. Nothing of an effect that is nowhere absent.
+// the residual is large, counts little, and the descent ends where the parameters stand in for it. Nothing of an effect that is nowhere absent.
 std::optional<Point> handed_on(const Problem& problem, const FitResult& from, std::size_t left_out) {
   const std::vector<common::EffectInstance>& effects = from.point.effects;
   const std::optional<double>& absent = problem.catalogue.at(effects[left_out].name).parameters[common::kSize].absent;
@@ -181,8 +186,7 @@ std::optional<Point> handed_on(const Problem& problem, const FitResult& from, st
   // The coordinate of a size is 0 where the effect is absent.
   const double size = effect_coordinates(problem.catalogue, {&effects[left_out], 1})(static_cast<Eigen::Index>(common::kSize));
   const Eigen::VectorXd without = from.difference - size * from.columns.col(first + static_cast<Eigen::Index>(common::kSize));
-  Point start = from.point;
-  start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+  const Point start = without_effect(from.point, left_out);
   const Eigen::MatrixXd columns = from.columns(Eigen::all, kept);
   const PriorRows prior = prior_rows(problem, start);
   const double weight = data_weight(from.difference, problem.settings);
@@ -200,8 +204,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   const FitResult& from = *best;
   std::vector<FitResult> fewer(effects);
   share_out(problem, effects, [&](std::size_t left_out) {
-    Point start = from.point;
-    start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+    const Point start = without_effect(from.point, left_out);
     FitResult& again = fewer[left_out];
     again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(problem, from.columns, again);
@@ -224,26 +227,37 @@ struct OnGround {
 
 // As much of a law, or of a typical one, as takes most away there, for its own fit may have ended far from that. Two laws at once begin as they ended.
 OnGround start_on(Problem& problem, const FitResult& ground, const FitResult& other) {
-  std::vector<common::EffectInstance> starts;
+  std::vector<common::EffectInstance> own;
   for (const common::EffectInstance& effect : other.point.effects) {
-    if (has_effect(ground.point.effects, effect.name)) continue;
-    starts.push_back(effect);
+    if (!has_effect(ground.point.effects, effect.name)) own.push_back(effect);
   }
-  if (starts.size() != 1) return {{ground.point.nuisance, other.point.effects}, other.difference.squaredNorm()};
-  starts.push_back(common::typical_instance(problem.catalogue.at(starts.front().name)));
+  if (own.size() != 1) return {{ground.point.nuisance, other.point.effects}, other.difference.squaredNorm()};
+  const common::EffectAbout& about = problem.catalogue.at(own.front().name);
+  std::vector<common::EffectInstance> starts = with_quarters(about, own.front());
+  const std::vector<common::EffectInstance> typical = with_quarters(about, common::typical_instance(about));
+  starts.insert(starts.end(), typical.begin(), typical.end());
   const Screening there = screen(problem, ground, projector_of(problem, ground), starts, [](double, const std::string&) {});
   const Screened& screened = *best_of_each(there).front();
   return {with_amount(problem.catalogue, ground.point, screened, screened.amount), screened.left};
 }
 
-// Whether two fits of one effect each are of laws of one physics.
+// Whether two fits have the same effects but for one, and that is of one physics in both.
 bool is_relative(const Problem& problem, const FitResult& one, const FitResult& other) {
-  if (one.point.effects.size() != 1 || other.point.effects.size() != 1) return false;
-  const common::Family family = problem.catalogue.at(one.point.effects.front().name).family;
-  return family != common::Family::none && family == problem.catalogue.at(other.point.effects.front().name).family;
+  if (one.point.effects.size() != other.point.effects.size()) return false;
+  const auto own = [](const FitResult& fitted, const FitResult& beside) {
+    std::vector<std::string> names;
+    for (const common::EffectInstance& effect : fitted.point.effects) {
+      if (!has_effect(beside.point.effects, effect.name)) names.push_back(effect.name);
+    }
+    return names;
+  };
+  const std::vector<std::string> first = own(one, other), second = own(other, one);
+  if (first.size() != 1 || second.size() != 1) return false;
+  const common::Family family = problem.catalogue.at(first.front()).family;
+  return family != common::Family::none && family == problem.catalogue.at(second.front()).family;
 }
 
-// The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law, and one that is a part of the other, with fewer
+// The best fit's machine, with another one's effects: of two indistinguishable laws the one that ended lower need not be the better law, and one that is a part of the other, with fewer
 // parameters, can do as well. Of the fits with as many effects those try it that promise most there, for how low they ended elsewhere says nothing of it, and all laws of the same physics, which go on until they settle:
 // between those the answer lies. What both have starts where the best one has it. Whether one came on by it.
 bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
@@ -567,8 +581,7 @@ void exchange_one(Problem& problem, const Screening& screening, const std::map<s
   if (std::any_of(fits.begin(), fits.end(), is_enough)) return;
   std::vector<Point> starts;
   for (std::size_t exchanged = 0; exchanged < 2; ++exchanged) {
-    Point rest = best.point;
-    rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(exchanged));
+    const Point rest = without_effect(best.point, exchanged);
     const FitResult ground = common_ground(problem, best, rest);
     const Beside beside = look_beside(problem, ground, screening, same_as, [](double, const std::string&) {});
     std::size_t taken = 0;
@@ -652,7 +665,10 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
     const common::EffectInstance typical = common::typical_instance(problem.catalogue.at(start.name));
     const bool is_first = starts.empty() || starts.back().name != start.name;
     const auto is_typical = [&](const common::EffectInstance& one) { return one.name == typical.name && one.values == typical.values; };
-    if (is_first && std::none_of(best.begin(), best.end(), is_typical)) starts.push_back(typical);
+    if (is_first && std::none_of(best.begin(), best.end(), is_typical)) {
+      const std::vector<common::EffectInstance> turned = with_quarters(problem.catalogue.at(start.name), typical);
+      starts.insert(starts.end(), turned.begin(), turned.end());
+    }
     starts.push_back(start);
   }
   constexpr Stage kLook{0.0, 0.5}, kRefine{0.5, 1.0};
@@ -699,7 +715,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   const std::vector<const Screened*> ranked = ranked_starts(problem, screening);
   std::vector<const Screened*> best = best_of_each(ranked);
 
-  // Refine the best ones with everything free: what takes away more than chance would. Two effects that are the same motion are fitted once and named both.
+  // Refine the best ones with everything free: what takes away more than chance would. Two indistinguishable effects are fitted once and named both.
   Found found;
   std::map<std::string, std::string>& same_as = found.same_as;
   const std::vector<const Screened*> chosen = chosen_starts(problem, base, screening, ranked, settings.singles_to_refine, same_as);

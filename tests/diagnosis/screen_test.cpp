@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "sim/effects/catalogue.h"
+#include "tests/diagnosis/admitted.h"
+#include "tests/diagnosis/simulated_log.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::diagnosis {
@@ -83,6 +86,29 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
     if (!fades_linearly && !parameter.detail && parameter.tries.empty()) others += 2;
   }
   EXPECT_EQ(different.size(), combinations.size() + others);
+}
+
+// A heel, looked at from the opposite direction, where no multiple of it takes anything away: with a quarter of a turn beside it
+// what pulls across the boom is told, which is nearly all that the records have of it.
+TEST(Screen, TellsAnArrowFromTwoQuarters) {
+  constexpr double kPeriod = 1e-2, kHeel = 5e-3, kDirection = -1.0;  // [s], [rad], [rad]
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"heel", {kHeel, kDirection}}};
+  Admitted admitted({simulated_log(truth, bench().controller, kThereAndBack, kDuration, 3, kPeriod)});
+  Problem& problem = admitted.problem;
+  FitResult from = nominal_fit(problem);
+  from.columns = Eigen::MatrixXd::Zero(from.difference.size(), static_cast<Eigen::Index>(from.point.nuisance.size()));
+  const auto best_of = [&](const std::vector<common::EffectInstance>& starts) {
+    return *best_of_each(screen(problem, from, projector_of(problem, from), starts, [](double, const std::string&) {})).front();
+  };
+  const common::EffectInstance opposite{"heel", {kHeel, kDirection + std::numbers::pi}};
+  const Screened alone = best_of({opposite}), both = best_of(with_quarters(problem.catalogue.at("heel"), opposite));
+  EXPECT_EQ(alone.amount, 0.0);
+  const double across = kHeel * std::sin(kDirection);
+  EXPECT_NEAR(both.amount * both.start.values[0] * std::sin(both.start.values[1]), across, 0.2 * std::fabs(across));
+  const auto noise = static_cast<double>(difference_count(problem));
+  EXPECT_LT(both.left - noise, 0.1 * (alone.left - noise));
 }
 
 // What recurs with an angle of the axis also with the lengths that were read off, within its bounds, all round; nothing else does.
