@@ -54,7 +54,13 @@ void FaultInjector::add(const Fault& fault) {
 }
 
 void FaultInjector::end(std::size_t number, std::int64_t time) {
-  faults_.at(number).until = std::min(faults_.at(number).until, time);
+  Fault& fault = faults_.at(number);
+  fault.until = std::min(fault.until, time);
+  for (Side& one : sides_) {
+    for (Held& held : one.held) {
+      if (held.fault == number) held.due = fault.until;
+    }
+  }
 }
 
 PlantConditions FaultInjector::conditions(std::int64_t time) const {
@@ -162,7 +168,7 @@ void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t s
     }
     if (fault.kind == FaultKind::controller_stopped && stopping_ == Stopping::questions_held &&
         channel == FaultChannel::encoder) {
-      here.held.push_back({fault.until, false, std::move(message)});
+      here.held.push_back({fault.until, false, std::move(message), i});
       return;
     }
     if (!is_message_fault(fault.kind) || fault.channel != channel) continue;

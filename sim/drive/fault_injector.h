@@ -63,6 +63,7 @@ class FaultInjector {
     std::int64_t due;  // [ns]
     bool behind;       // the period's own messages
     Message message;
+    std::optional<std::size_t> fault = {};  // until whose end it is held, where that may come earlier
   };
   struct Side {
     std::vector<Held> held;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "msgs/codec.h"
@@ -88,17 +89,30 @@ TEST(FaultInjector, ProbabilityAndSeedDecideMessageByMessage) {
   EXPECT_NE(arrivals({lost}, 20'000), first);
 }
 
-TEST(FaultInjector, AStoppedControllerFindsAllQuestionsInOrder) {
-  FaultInjector injector({fault(FaultKind::controller_stopped, 1, 3)}, kPeriod);
+// What arrives in each of five periods at a controller that is stopped from the second one on; ended from outside at the beginning of a period, where one is given.
+Lists questions_of_a_stopped_controller(Fault stopped, std::optional<std::int64_t> ended_in = {}) {
+  FaultInjector injector({stopped}, kPeriod);
   Lists all;
   for (std::int64_t k = 0; k < 5; ++k) {
+    if (k == ended_in) injector.end(0, k * kPeriod);
     injector.begin_period(FaultChannel::encoder, k * kPeriod);
     injector.pass(FaultChannel::encoder, k * kPeriod, k, {});
     injector.end_period(FaultChannel::encoder);
     all.emplace_back();
     for (const auto& message : injector.arrivals(FaultChannel::encoder)) all.back().push_back(message.sequence);
   }
-  EXPECT_EQ(all, (Lists{{0}, {}, {}, {1, 2, 3}, {4}}));
+  return all;
+}
+
+TEST(FaultInjector, AStoppedControllerFindsAllQuestionsInOrder) {
+  EXPECT_EQ(questions_of_a_stopped_controller(fault(FaultKind::controller_stopped, 1, 3)), (Lists{{0}, {}, {}, {1, 2, 3}, {4}}));
+}
+
+// Switched off while it runs it does what a schedule with the same times does.
+TEST(FaultInjector, AStoppedControllerThatIsSwitchedOnFindsTheSameQuestions) {
+  Fault endless = fault(FaultKind::controller_stopped, 1, 3);
+  endless.until = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(questions_of_a_stopped_controller(endless, 3), questions_of_a_stopped_controller(fault(FaultKind::controller_stopped, 1, 3)));
 }
 
 TEST(FaultInjector, TheControllerIsKilledAndStartedOnce) {
