@@ -248,6 +248,7 @@ int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::Log
                                  {"wall_seconds", wall_seconds}};
   summary.update(own);
   summary["drive"] = drive_summary(plant.drive());
+  if (const std::int64_t unsolved = plant.machine().state.unsolved_frictions; unsolved > 0) summary["unsolved_frictions"] = unsolved;
   summary["log_events"] = log.event_count();
   summary["log_bytes"] = log.byte_count();
   summary["log_digest"] = msgs::hash_text(log.digest());

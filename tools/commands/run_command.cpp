@@ -375,6 +375,13 @@ void print_timing(const Json& summary) {
               summary["drive"].value("stale_commands", 0LL));
 }
 
+// What of the motion is not as its laws have it, for people.
+void tell_unsolved(const Json& plant_summary, const std::string& name) {
+  if (!plant_summary.is_object() || !plant_summary.contains("unsolved_frictions")) return;
+  std::fprintf(stderr, "%s: warning: in %lld plant steps, or parts of them, the frictions do not hold to their law: their equations were not solved. Try a shorter plant_step\n", name.c_str(),
+               plant_summary.value("unsolved_frictions", 0LL));
+}
+
 // What did not come about of what the scenario says under `expect:`; nothing where it says nothing.
 std::optional<std::vector<std::string>> judge(const sim::Scenario& scenario, const fs::path& log) {
   if (scenario.expectation == sim::FaultExpectation{}) return std::nullopt;
@@ -406,21 +413,6 @@ void keep_what_was_steered(const fs::path& folder) {
   if (!fs::exists(folder / "steered.yaml")) return;
   throw common::InputError({{{"--out", 0, 0}, "", "'" + folder.string() + "', whose steered.yaml repeats what was steered there and builds on the run's files",
                              "another folder, or steered.yaml taken away"}});
-}
-
-// What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
-// only if nothing else is in it.
-void remove_earlier_run(const fs::path& folder) {
-  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "run.html",
-                            "acceptance.json", "acceptance.html", "run.mcap", "plant.txt", "controller.txt"}) {
-    fs::remove(folder / stale);
-  }
-  for (const char* format : {"parquet", "csv"}) {
-    const fs::path exported = folder / (std::string("run_") + format);
-    if (!fs::is_directory(exported)) continue;
-    const auto is_ours = [&](const fs::directory_entry& entry) { return entry.path().extension() == std::string(".") + format; };
-    if (std::all_of(fs::directory_iterator(exported), fs::directory_iterator(), is_ours)) fs::remove_all(exported);
-  }
 }
 
 // What an FMU's process unpacked of it goes with the run, however that process ended; of a run that was killed with the next one.
@@ -641,6 +633,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   int code = tell_outcome(outcome, name, prepared.log, kept);
   if (outcome.kind == Outcome::Kind::complete) tell_complaints(controller, name, folder);
   if (outcome.kind == Outcome::Kind::complete && options.realtime) print_timing(plant_summary);
+  tell_unsolved(plant_summary, name);
   if (broken) code = tell_expected(*broken, name, options.realtime);
   if (unwritten.empty()) return code;
   std::fprintf(stderr, "%s: %s\n", name.c_str(), unwritten.c_str());

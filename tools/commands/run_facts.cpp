@@ -8,6 +8,7 @@
 #include "sim/drive/scenario_run.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/description.h"
+#include "tools/commands/plant_task.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -113,6 +114,20 @@ std::string run_facts(const sim::Scenario& scenario,
 void write_run_facts(const std::filesystem::path& folder, const sim::Scenario& scenario,
                      const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome) {
   write_whole_file(folder / kRunFactsName, run_facts(scenario, controller, outcome));
+}
+
+void remove_earlier_run(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "run.html",
+                            "acceptance.json", "acceptance.html", "run.mcap", "plant.txt", "controller.txt"}) {
+    fs::remove(folder / stale);
+  }
+  for (const char* format : {"parquet", "csv"}) {
+    const fs::path exported = folder / (std::string("run_") + format);
+    if (!fs::is_directory(exported)) continue;
+    const auto is_ours = [&](const fs::directory_entry& entry) { return entry.path().extension() == std::string(".") + format; };
+    if (std::all_of(fs::directory_iterator(exported), fs::directory_iterator(), is_ours)) fs::remove_all(exported);
+  }
 }
 
 }  // namespace slewlab::tools

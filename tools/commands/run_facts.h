@@ -42,4 +42,8 @@ std::string run_facts(const sim::Scenario& scenario,
 void write_run_facts(const std::filesystem::path& folder, const sim::Scenario& scenario,
                      const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome);
 
+// What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
+// only if nothing else is in it.
+void remove_earlier_run(const std::filesystem::path& folder);
+
 }  // namespace slewlab::tools

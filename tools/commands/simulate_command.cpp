@@ -65,6 +65,7 @@ int simulate(const SimulateOptions& options, std::ostream& out) {
   for (const std::string& remark : simulated.remarks) out << "note: " << remark << '\n';
 
   make_output_folder(options.out);
+  remove_earlier_run(options.out);
   write_log(options.out / "run.lcmlog", simulated.run);
   constexpr double kNanosecondsPerSecond = 1e9;
   const double duration = static_cast<double>(record->encoder.back().simulated_time - record->encoder.front().simulated_time) / kNanosecondsPerSecond;

@@ -1,6 +1,6 @@
 // `slewlab simulate MACHINE LOG --out DIR`: the machine driven by the torque of a log, open loop, from the motion in which
 // the log begins (tools/replay/open_loop.h). DIR gets run.lcmlog of the same channels and run.json, for
-// `slewlab report DIR LOG`.
+// `slewlab report DIR LOG`. What an earlier run left there is taken away first (run_facts.h).
 #pragma once
 
 #include <filesystem>
