@@ -7,6 +7,9 @@ Foxglove, Lichtblick and PlotJuggler connect to ws://127.0.0.1:PORT. Every chann
 the unit of every field stands in the channel's metadata, as in what `slewlab export --format mcap` writes. Time is the simulated one.
 """
 
+import heapq
+import itertools
+import operator
 import signal
 import sys
 import threading
@@ -14,17 +17,20 @@ from pathlib import Path
 
 import foxglove
 import numpy as np
+from foxglove.websocket import Capability
 
 from arguments import ArgumentParser, bus, known_names, port
 from desk.access import is_loopback
 from desk.source import Bus, Growing, growing_log
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem
-from signals import table
+from run_numbers import facts_beside
+from signals import units_of
 from subprotocol_proxy import SubprotocolProxy
 
 DEFAULT_PORT = 8765  # that Foxglove asks for
 POLL = 0.02          # [s]
+FAREWELL = 2.0       # [s] in which viewers may read the end
 OWN = ("fingerprint",)  # of LCM, no field of a message
 BACKLOG = 200_000  # messages that wait for a slow viewer, half a minute of all channels at 1 kHz; of more it loses the oldest
 
@@ -32,21 +38,30 @@ BACKLOG = 200_000  # messages that wait for a slow viewer, half a minute of all 
 class Topics:
     """A topic for every channel that was heard, made when it is heard first: only then the lengths of its arrays are known."""
 
-    def __init__(self):
+    def __init__(self, units):
+        self.units = units
         self.topics = {}
+        self.waiting = []  # of each channel: times [ns], topic and messages, not yet taken apart
 
     def receive(self, channel, messages):
         if channel not in self.topics:
             names = [name for name in messages.dtype.names if name not in OWN]
-            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]), table()[channel])
+            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]), self.units[channel])
             schema = foxglove.Schema(name=f"slewlab.{channel}", encoding="protobuf", data=rows.descriptor())
-            self.topics[channel] = rows, foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=table()[channel])
+            self.topics[channel] = rows, foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=self.units[channel])
         rows, topic = self.topics[channel]
+        messages = messages[np.argsort(messages["simulated_time"], kind="stable")]
         encoded = rows.encoded(messages)
         size = encoded.dtype.itemsize
         data = encoded.tobytes()
-        for number, time in enumerate(np.maximum(messages["simulated_time"], 0).tolist()):
-            topic.log(data[number * size:(number + 1) * size], log_time=time)
+        times = np.maximum(messages["simulated_time"], 0)
+        self.waiting.append(zip(map(int, times), itertools.repeat(topic), (data[begin:begin + size] for begin in range(0, len(data), size))))
+
+    def send(self):
+        """What was received since the last time, in the order of simulated time: a viewer has one clock for all topics."""
+        for time, topic, data in heapq.merge(*self.waiting, key=operator.itemgetter(0)):
+            topic.log(data, log_time=time)
+        self.waiting.clear()
 
 
 def main(arguments):
@@ -68,20 +83,20 @@ def main(arguments):
                      "from elsewhere take a tunnel, e.g. ssh -L")
     try:
         log = growing_log(options.log) if options.log else None
+        topics = Topics(units_of(facts_beside(log) if log else {}))
     except LogProblem as problem:
         print(f"slewlab bridge: {problem}", file=sys.stderr)
         return 2
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: end.set())
-    topics = Topics()
     try:
         if options.bus:
             source = Bus(options.bus, receive=topics.receive)
         else:
             source = Growing(log, receive=topics.receive)
             source.skip_what_is_there()
-        server = foxglove.start_server(name="slewlab", host=options.host, port=0, message_backlog_size=BACKLOG)
+        server = foxglove.start_server(name="slewlab", host=options.host, port=0, message_backlog_size=BACKLOG, capabilities=[Capability.Time])
         proxy = SubprotocolProxy(options.host, options.port, server.port).start()
     except (LogProblem, OSError, RuntimeError) as problem:
         print(f"slewlab bridge: {problem}", file=sys.stderr)
@@ -89,8 +104,13 @@ def main(arguments):
     print(f"bridge: ws://{options.host}:{proxy.port}", flush=True)
     while not end.wait(POLL):
         source.poll()
+        topics.send()
+    # Viewers that read are told of the end; the server would wait for ever for one that does not.
+    farewell = threading.Thread(target=server.stop, daemon=True)
+    farewell.start()
+    farewell.join(FAREWELL)
     proxy.stop()
-    server.stop()
+    farewell.join(FAREWELL)
     return 0
 
 

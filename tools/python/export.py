@@ -3,7 +3,7 @@
     slewlab export RUN.lcmlog --format parquet|csv|mcap [--out PATH]
 
 Parquet and CSV: the first column is `time` [s], simulated; arrays become columns name_1, name_2, ...; SI units as
-in msgs/*.lcm; a Parquet column has its unit as the field's metadata `unit`, a CSV column in its name: `shaft_speed_1 [rad/s]`. Columns of a
+in msgs/*.lcm, of a plain axis its own; a Parquet column has its unit as the field's metadata `unit`, a CSV column in its name: `shaft_speed_1 [rad/s]`. Columns of a
 plain axis (run.json beside the log says so) carry the axis's names and units, motor_speed [rad/s], and those of sensors that it has not are
 left out.
 MCAP: Protobuf messages with their schema, the unit of each field in the channel's metadata, stamped with the simulated
@@ -12,6 +12,7 @@ time; opens in Foxglove and PlotJuggler. The log is gone through a stretch at a 
 
 import contextlib
 import signal
+import struct
 import sys
 from argparse import ArgumentTypeError
 from concurrent.futures import ThreadPoolExecutor
@@ -21,6 +22,7 @@ import numpy as np
 import pyarrow
 import pyarrow.csv
 import pyarrow.parquet
+from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC, CompressionType
 
 from arguments import ArgumentParser, output_file, output_folder
@@ -28,11 +30,14 @@ from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem, beside_its_run, seconds
 from run_numbers import early_end, read_run
-from signals import measured, table, unit_of
+from signals import measured, table, units_of
 from whole_file import growing, is_free
 
 FORMATS = ("parquet", "csv", "mcap")
 ROW_GROUP = 4 << 20  # [bytes] of a Parquet file's rows that are written together
+LIBRARY = "slewlab"
+# Another program's MCAP is somebody's recording: the header names who wrote it (MCAP's specification, Header: profile, library).
+MCAP_BEGINNING = MCAP0_MAGIC + struct.pack("<BQII", Opcode.HEADER, 8 + len(LIBRARY), 0, len(LIBRARY)) + LIBRARY.encode()
 
 
 def axis_columns(facts, log):
@@ -64,15 +69,13 @@ def channel_columns(dtype, axis=None):
     return [column for column in renamed if column[0] is not None]
 
 
-def channel_schema(channel, dtype, axis=None):
-    """The columns' types, each with its unit as metadata; an axis's names say theirs."""
-    original = {new: old for old, new in (axis or {}).items() if new}
+def channel_schema(units, dtype, axis=None):
+    """The columns' types, each with its unit as metadata; `units` of the channel's fields."""
     fields = []
     for column, field, _ in channel_columns(dtype, axis):
-        name = original.get(column, column)
-        unit = "s" if name == "time" else column.rpartition("[")[2].rstrip("]") if column in original else unit_of(channel, name)
-        kind = pyarrow.float64() if name == "time" else pyarrow.from_numpy_dtype(dtype[field].base)
-        fields.append(pyarrow.field(column, kind, metadata={"unit": unit}))
+        is_time = field == "simulated_time"
+        kind = pyarrow.float64() if is_time else pyarrow.from_numpy_dtype(dtype[field].base)
+        fields.append(pyarrow.field(column, kind, metadata={"unit": "s" if is_time else units[field]}))
     return pyarrow.schema(fields)
 
 
@@ -133,13 +136,13 @@ class CsvFile:
 def write_tables(run, out, file_format):
     """A folder with one file per channel; it appears when all of them are complete."""
     log = run.log
-    axis = axis_columns(run.facts, log)
+    axis, units = axis_columns(run.facts, log), units_of(run.facts)
     kind = ParquetFile if file_format == "parquet" else CsvFile
     with growing(out) as partial, contextlib.ExitStack() as stack:
         partial.mkdir()
         files = {}
         for name, described in log.tables.items():
-            schema = channel_schema(name, described.dtype, axis.get(name))
+            schema = channel_schema(units[name], described.dtype, axis.get(name))
             files[name] = kind(partial / f"{name}.{file_format}", schema, name, axis.get(name))
             stack.callback(files[name].close)
         # The largest channel beside the others: pyarrow lets go of the interpreter while it writes.
@@ -166,21 +169,34 @@ def in_order_of_time(log):
         yield waiting
 
 
-def write_mcap(log, out):
+def write_mcap(run, out):
     """One file; events in the order of simulated time."""
+    log, units = run.log, units_of(run.facts)
     with growing(out) as partial, open(partial, "wb") as stream:
         writer = BatchWriter(stream, compression=CompressionType.LZ4)  # zstd: a fifth smaller, five times as slow
-        writer.start(profile="", library="slewlab")
+        writer.start(profile="", library=LIBRARY)
         rows, channels = {}, {}
         for name, described in log.tables.items():
-            rows[name] = ProtobufRows(f"slewlab.{name}", described.dtype, table()[name])
+            rows[name] = ProtobufRows(f"slewlab.{name}", described.dtype, units[name])
             schema = writer.register_schema(name=f"slewlab.{name}", encoding="protobuf", data=rows[name].descriptor())
             channels[name] = writer.register_channel(topic=name, message_encoding="protobuf", schema_id=schema,
-                                                     metadata=table()[name])
+                                                     metadata=units[name])
         for messages in in_order_of_time(log):
             writer.add_batch([(channels[name], each["simulated_time"], each["sequence"], rows[name].encoded(each))
                               for name, each in messages.items()])
         writer.finish()
+
+
+def place_of(log, file_format):
+    """Where a log's export goes that is given no other place."""
+    return log.with_suffix(".mcap") if file_format == "mcap" else log.with_name(f"{log.stem}_{file_format}")
+
+
+def is_earlier_export(path, file_format):
+    """Whether there is one, which may be replaced: an MCAP of ours, or a folder of nothing but channels of the wire."""
+    if file_format == "mcap":
+        return path.is_file() and path.stat().st_size > 0 and is_free(path, MCAP_BEGINNING)
+    return path.is_dir() and all(file.suffix == f".{file_format}" and file.stem in table() for file in path.iterdir())
 
 
 def written(options, parser):
@@ -204,15 +220,13 @@ def main(arguments=None):
         run = read_run(options.log)
         log = run.log
         path = log.path.with_suffix("") if log.path.suffix == ".partial" else log.path
+        out = out or place_of(path, options.format)
+        is_empty = out.is_file() and out.stat().st_size == 0
+        if out.exists() and not is_empty and not is_earlier_export(out, options.format):
+            raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
         if options.format == "mcap":
-            out = out or path.with_suffix(".mcap")
-            if not is_free(out, MCAP0_MAGIC):
-                raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
-            write_mcap(log, out)
+            write_mcap(run, out)
         else:
-            out = out or path.with_name(f"{path.stem}_{options.format}")
-            if out.exists() and not (out.is_dir() and all(f.suffix == f".{options.format}" for f in out.iterdir())):
-                raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
             write_tables(run, out, options.format)
     except LogProblem as problem:
         print(f"slewlab export: {problem}", file=sys.stderr)

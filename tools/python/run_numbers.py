@@ -65,17 +65,25 @@ def read_run(place):
     return beside(read_run_log(path))
 
 
+def is_of_a_run(log):
+    return log.name in ("run.lcmlog", "run.lcmlog.partial")
+
+
+def facts_beside(log):
+    """What run.json beside a run's log says; nothing beside any other log."""
+    path = log.parent / "run.json"
+    if not is_of_a_run(log) or not path.is_file():
+        return {}
+    try:
+        return json.loads(path.read_text())
+    except ValueError as error:
+        raise LogProblem(f"{path}: {error}") from error
+
+
 def beside(log):
     """The run of a log, with what run.json beside it says."""
-    path, facts = log.path, {}
-    facts_path = path.parent / "run.json"
-    of_a_run = path.name in ("run.lcmlog", "run.lcmlog.partial")
-    if of_a_run and facts_path.is_file():
-        try:
-            facts = json.loads(facts_path.read_text())
-        except ValueError as error:
-            raise LogProblem(f"{facts_path}: {error}") from error
-    return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
+    path = log.path
+    return Run(path.resolve().parent.name if is_of_a_run(path) else path.stem, log, facts_beside(path))
 
 
 def early_end(run):
