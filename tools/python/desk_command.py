@@ -16,7 +16,7 @@ from arguments import ArgumentParser, bus, output_folder, port, shell_command
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
-from desk.gap import Gap
+from desk.gap import Gap, read_nominal
 from desk.recording import Recorder
 from desk.server import Desk
 from desk.source import Bus, Difference, Growing, NoBus, Recorded, growing_log
@@ -120,10 +120,10 @@ async def open_desk(options):
     access, diagnosis, watch = Access(options.host), None, None
     out = options.out or Path("runs") / f"desk_{Path(options.subject[0]).stem if options.subject else 'bus'}"
     if options.nominal:
-        diagnosis = Diagnosis(options.nominal, options.nominal_controller, out)
+        diagnosis, nominal = Diagnosis(options.nominal, options.nominal_controller, out), read_nominal(options.nominal)
 
         async def watch(source):
-            gap = Gap(source, options.nominal, diagnosis.minute)
+            gap = Gap(source, nominal, diagnosis.minute)
             await gap.start()
             return gap
     if options.is_scenario:

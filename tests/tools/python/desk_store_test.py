@@ -2,6 +2,9 @@
 
 import asyncio
 import functools
+import itertools
+import json
+import os
 import tempfile
 import unittest
 import unittest.mock
@@ -9,12 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from run_log import message_types
+from run_log import REPOSITORY, message_types
 
 from desk import charts
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis, Minute
-from desk.source import Incoming, fill, parse_events
+from desk.gap import Gap, Nominal, read_nominal
+from desk.recording import Recorder
+from desk.server import Desk
+from desk.source import Difference, Growing, Incoming, event_bytes, fill, parse_events, what_is_missing
+from desk.steered_run import SteeredRun
 from desk.store import CAPACITY, FACTOR, Channel, Store
 
 
@@ -90,6 +97,26 @@ class StoreTest(unittest.TestCase):
         self.assertEqual(envelope[0][2], -1.0)
         self.assertEqual(store.at("OPERATOR.speed_request", 3.5, True), -1.0)
 
+    def test_a_step_of_more_than_five_usual_ones_is_a_hole(self):
+        time = np.concatenate((np.arange(0.0, 5.0, 0.01), np.arange(8.0, 20.0, 0.01)))
+        time = np.delete(time, [100, 200, 201, 202])  # one message lost, three in a row: none is a hole
+        for piece in (3, 70, 5000):
+            channel = Channel(["a"])
+            for first in range(0, len(time), piece):
+                channel.append(time[first:first + piece], np.zeros((1, len(time[first:first + piece]))))
+            with self.subTest(piece=piece):
+                self.assertEqual([(round(before, 6), round(behind, 6)) for before, behind in channel.holes], [(4.99, 8.0)])
+
+    def test_the_value_at_a_time_is_the_samples_own_as_long_as_it_is_held(self):
+        time, values, channel = self.filled(4000, 100, 1024)
+        low, high = channel.range_at(3.7005)
+        self.assertEqual((low[0], high[0]), (values[3700], values[3700]))
+        low, high = channel.range_at(0.1)  # of which the newest level has forgotten the samples: what eight of them, or more, lie between
+        self.assertLessEqual(low[0], values[100])
+        self.assertGreaterEqual(high[0], values[100])
+        self.assertLess(low[0], high[0])
+        self.assertIsNone(channel.range_at(-1.0))
+
     def test_levels_hold_the_samples_of_their_items(self):
         _, values, channel = self.filled(FACTOR * FACTOR + 3, 5)
         self.assertEqual([level.count for level in channel.levels[:4]], [67, 8, 1, 0])
@@ -114,25 +141,26 @@ class EventTest(unittest.TestCase):
         self.assertEqual(rest, b"")
 
 
-class IncomingTest(unittest.TestCase):
-    def events(self, torque_time_offset=0, run_identity=1):
-        """A second of ENCODER and TORQUE every 10 ms."""
-        types = message_types()
-        for k in range(100):
-            for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
-                message = kind()
-                message.run_identity, message.simulated_time, message.group_count = run_identity, k * 10_000_000, 1
-                if channel == "ENCODER":
-                    message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
-                else:
-                    message.motor_torque = [5.0]
-                    if k == 50:
-                        message.simulated_time += torque_time_offset
-                yield channel, message.encode()
+def events_of_a_second(torque_time_offset=0, run_identity=1, begin=0.0):
+    """A second of ENCODER and TORQUE every 10 ms."""
+    types = message_types()
+    for k in range(100):
+        for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
+            message = kind()
+            message.run_identity, message.simulated_time, message.group_count = run_identity, round(begin * 1e9) + k * 10_000_000, 1
+            if channel == "ENCODER":
+                message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
+            else:
+                message.motor_torque = [5.0]
+                if k == 50:
+                    message.simulated_time += torque_time_offset
+            yield channel, message.encode()
 
+
+class IncomingTest(unittest.TestCase):
     def test_an_answer_of_an_impossible_time_is_left_out(self):
         store = Store()
-        Incoming(functools.partial(fill, store)).take(list(self.events(torque_time_offset=1 << 61)))
+        Incoming(functools.partial(fill, store)).take(list(events_of_a_second(torque_time_offset=1 << 61)))
         self.assertAlmostEqual(store.last, 0.99)
         self.assertEqual(len(store.channels["TORQUE"].samples(-1.0, 1e12)[0]), 99)
         self.assertEqual(len(store.channels["ENCODER"].samples(-1.0, 1e12)[0]), 100)
@@ -140,11 +168,105 @@ class IncomingTest(unittest.TestCase):
     def test_another_run_on_the_bus_is_followed_in_place_of_the_first(self):
         store = Store()
         incoming = Incoming(functools.partial(fill, store), store.clear)
-        incoming.take(list(self.events()))
+        incoming.take(list(events_of_a_second()))
         self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.5), 1.0)
-        incoming.take(list(self.events(run_identity=2))[:40])
+        incoming.take(list(events_of_a_second(run_identity=2))[:40])
         self.assertAlmostEqual(store.last, 0.19)
         self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
+
+
+class GrowingTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.log = self.folder / "run.lcmlog"
+        self.partial = self.folder / "run.lcmlog.partial"
+
+    def followed(self):
+        source = Growing(self.log)
+        source.poll()
+        self.addCleanup(lambda: source.file.close())
+        return source
+
+    def write(self, path, run_identity, count=200):
+        path.write_bytes(b"".join(event_bytes(k, 0.0, *event) for k, event in enumerate(itertools.islice(events_of_a_second(run_identity=run_identity), count))))
+
+    def test_another_run_in_the_same_folder_is_followed(self):
+        self.write(self.partial, 1)
+        source = self.followed()
+        self.partial.rename(self.log)  # the run is complete
+        self.assertFalse(source.poll())
+        self.assertEqual(source.store.at("ENCODER.shaft_speed.0", 0.5), 1.0)
+        # By slewlab run, or by whoever writes its log in another way; also the same run's once more, as of a folder that is copied again and again.
+        for way, run_identity in (("removed", 2), ("kept", 2), ("copied", 1)):
+            if way == "removed":
+                self.log.unlink()
+            self.write(self.partial, run_identity, 80)
+            os.utime(self.partial, (2e9, 2e9))  # written later, whatever the clock of the file system can tell apart
+            while source.poll():
+                pass
+            source.poll()
+            with self.subTest(way=way):
+                self.assertAlmostEqual(source.store.last, 0.39)
+                self.assertEqual(source.store.at("ENCODER.shaft_speed.0", 0.1), run_identity)
+            self.partial.unlink()
+            self.write(self.log, 1)
+            os.utime(self.log, (1e9, 1e9))
+            source = self.followed()
+
+    def test_of_two_logs_that_are_there_the_newer_one_is_followed(self):
+        self.write(self.log, 1)
+        self.write(self.partial, 2)
+        for newer, speed in ((self.partial, 2.0), (self.log, 1.0)):
+            for path in (self.log, self.partial):
+                os.utime(path, (1e9 + (path == newer),) * 2)
+            self.assertEqual(self.followed().store.at("ENCODER.shaft_speed.0", 0.5), speed)
+
+    def test_a_log_that_is_written_anew_is_read_from_its_beginning(self):
+        self.write(self.log, 1)
+        source = self.followed()
+        self.write(self.log, 2, 100)  # the same file
+        source.poll()
+        source.poll()
+        self.assertEqual((source.store.at("ENCODER.shaft_speed.0", 0.1), round(source.store.last, 2)), (2.0, 0.49))
+
+
+class RecorderTest(unittest.TestCase):
+    def test_another_run_on_the_bus_ends_a_recording_where_the_first_one_ended(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        source, recorder = Said(1), Recorder(folder)
+        source.waiting = [("OPERATOR", operator_of(1)), *events_of_a_second(begin=3.0)]
+        recorder.attach(source)
+        source.poll()
+        recorder.begin()
+        source.waiting = list(events_of_a_second(begin=4.0))
+        source.poll()
+        source.waiting = list(events_of_a_second(run_identity=2))
+        source.poll()
+        state = recorder.state()
+        self.assertEqual((round(state["from"], 2), round(state["until"], 2), state["on"]), (3.99, 4.99, False))
+        self.assertEqual(json.loads((folder / "recording_1" / "run.json").read_text())["recorded_until"], state["until"])
+        self.assertEqual(len(parse_events((folder / "recording_1" / "run.lcmlog").read_bytes())[0]), 200 + 2)
+        # What stood in the run before stands in no recording of the next one.
+        recorder.begin()
+        recorder.stop()
+        events, _ = parse_events((folder / "recording_2" / "run.lcmlog").read_bytes())
+        self.assertEqual([channel for channel, _ in events], ["TORQUE"])
+
+
+def operator_of(run_identity):
+    message = message_types().operator_t()
+    message.run_identity = run_identity
+    return message.encode()
+
+
+class SteeredRunTest(unittest.TestCase):
+    def test_the_play_compensation_is_offered_where_groups_can_work_against_each_other(self):
+        run = SteeredRun("scenario.yaml", "runs", 10.0)
+        run.compensation = []
+        for groups, offered in ((1, None), (2, True)):
+            efforts = [{"name": "motor force" if groups == 1 else f"motor torque of group {g + 1}", "unit": "N m"} for g in range(groups)]
+            run.source = unittest.mock.Mock(facts={"play_compensation": True, "machine": {"efforts": [*efforts, {"name": "torque on the axis", "unit": "N m"}]}})
+            self.assertEqual(run._compensates(), offered)
 
 
 class MinuteTest(unittest.TestCase):
@@ -192,6 +314,147 @@ class MinuteTest(unittest.TestCase):
             with self.subTest(state=state):
                 self.assertEqual((found["state"], count), (state, tries))
         self.assertEqual(found["words"], [])
+
+
+    def test_what_is_held_of_a_run_that_stands_still_is_bounded(self):
+        with unittest.mock.patch("desk.diagnosis.MOST", 100):
+            for number in range(1000):
+                self.minute.take([("ENCODER", b"again %d" % number)], 99.0)
+        events = self.written(0.0)
+        self.assertEqual((len(events), events[-1]), (102, ("ENCODER", b"again 999")))
+        self.assertEqual({events[0], events[1]}, {("OPERATOR", b"moved at 41"), ("PLANT_STATUS", b"ready")})
+
+
+class Said:
+    """A source of which everything that a run says in its first second waits to be heard."""
+
+    is_live, name, remarks = True, "said", []
+
+    def __init__(self, run_identity, facts=None):
+        self.store, self.facts, self.waiting = Store(), facts or {}, list(events_of_a_second(run_identity=run_identity))
+        self.incoming = Incoming(functools.partial(fill, self.store), self.store.clear)
+
+    def poll(self):
+        events, self.waiting = self.waiting, []
+        return self.incoming.take(events)
+
+
+NOMINAL = REPOSITORY / "config" / "cranes" / "thesis.yaml"
+THESIS = Nominal(NOMINAL, 250.0, "N m")  # T100 of that crane's motors
+
+
+class GapTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def test_an_observer_hears_all_of_its_run_and_nothing_of_another(self):
+        observer, begin = self.folder / "slewlab-live-observer", asyncio.create_subprocess_exec
+        observer.write_text("#!/bin/sh\nexec cat > $(mktemp $1.XXXXXX)\n")
+        observer.chmod(0o755)
+        minute, nominal = Minute(), Nominal(self.folder / "heard", 250.0, "N m")
+
+        class Run:
+            async def start(self, play_compensation):
+                return Said(2)
+
+            async def end(self):
+                pass
+
+        async def anew(third):
+            async def slowly(*arguments, **options):
+                for source in desk.sources:  # the desk goes on meanwhile
+                    source.poll()
+                return await begin(*arguments, **options)
+
+            async def watch(source):
+                gap = Gap(source, nominal, minute)
+                with unittest.mock.patch("asyncio.create_subprocess_exec", slowly):
+                    await gap.start()
+                return gap
+
+            desk = Desk([Said(1)], Access("127.0.0.1"), Run(), watch)
+            desk.recorder = Recorder(self.folder)
+            desk.recorder.attach(desk.sources[0])
+            desk.gap = await watch(desk.sources[0])
+            desk.sources[0].poll()
+            await desk.start_anew(None)
+            source = desk.sources[0]
+            source.poll()
+            self.assertTrue([event[1:] for event in minute.events] == list(events_of_a_second(run_identity=2)))
+            for begin_at in third:
+                source.waiting = list(events_of_a_second(run_identity=3, begin=begin_at))
+                source.poll()
+            await desk.gap.end()
+
+        for run_identity, third in ((2, ()), (3, (0.0, 1.0))):  # the third one on the same bus, or in the same folder
+            with unittest.mock.patch("desk.gap.messages_folder", lambda: self.folder):
+                asyncio.run(anew(third))
+            heard = [parse_events(path.read_bytes())[0] for path in self.folder.glob("heard.*")]
+            expected = [event for begin_at in third or (0.0,) for event in events_of_a_second(run_identity=run_identity, begin=begin_at)]
+            self.assertTrue(expected in heard, [len(each) for each in heard])
+
+    def feeding(self, source):
+        """A gap of a source, without its observer, and the minute that it keeps."""
+        gap = Gap(source, THESIS, Minute())
+        gap.process = unittest.mock.Mock()
+        gap.process.stdin.is_closing.return_value = False
+        gap.process.stdin.transport.get_write_buffer_size.return_value = 0
+        source.incoming.taps.append(gap.feed)
+        gap.block = 1.0
+        return gap
+
+    def test_of_another_run_on_the_bus_the_minute_and_the_usual_sizes_are_its_own(self):
+        source = Said(1)
+        gap = self.feeding(source)
+        source.poll()
+        self.tell(gap, 20, 0.5)
+        gap._replace_observer = unittest.mock.AsyncMock()
+        for run_identity, offset in ((2, 0.0), (2, -100.0)):  # also one that says again what was said: its time falls
+            gap.beginning = unittest.mock.Mock()  # of another observer, which is not there yet
+            gap.beginning.done.return_value = False
+            source.waiting = [(channel, data) for channel, data in events_of_a_second(run_identity=run_identity, begin=100.0 + offset)]
+            source.poll()
+            self.assertEqual(gap.state()["signals"], [])
+            self.assertEqual([event[1:] for event in gap.minute.events], list(events_of_a_second(run_identity=run_identity, begin=100.0 + offset)))
+            self.tell(gap, 20, 0.5)
+
+    def tell(self, gap, blocks, size):
+        """Missing torques of so many characteristic times of 1 s, as the observer says them of a run that has come so far."""
+        blocks_before = 0 if not gap.sizes else int(gap.sizes["missing_torque.0"][2].block) + 1
+        time = blocks_before + np.arange(10 * blocks) / 10
+        gap.source.store.last = max(gap.source.store.last, float(time[-1]))
+        gap._take({"time": time.tolist(), "missing_torque": np.full((1, len(time)), size).tolist(), "acceleration_difference": {}})
+
+    def test_a_gap_is_no_gap_below_a_share_of_the_nominal_machines_rated_torque(self):
+        gap = self.feeding(Said(1))  # no run.json: of a bus, or a machine that is none of slewlab's runs
+        self.tell(gap, 12, 3e-13)
+        self.tell(gap, 2, 8e-4)
+        self.assertIsNone(gap.since)
+        self.tell(gap, 2, 4.9)  # 2 % of 250 N m are 5 N m
+        self.assertIsNone(gap.since)
+        self.tell(gap, 2, 5.1)
+        self.assertAlmostEqual(gap.since, 17.9)
+        self.assertEqual(read_nominal(NOMINAL), THESIS)
+
+    def test_it_is_said_from_when_on_the_usual_size_is_known(self):
+        gap = self.feeding(Said(1))
+        self.tell(gap, 3, 0.5)
+        self.assertEqual((gap.state()["signals"][0]["usual"], gap.state()["usual_from"]), (None, 10.0))
+        self.tell(gap, 8, 0.5)  # a block is over when the next one begins
+        self.assertEqual((gap.state()["signals"][0]["usual"], gap.state()["usual_from"]), (0.5, None))
+
+    def test_what_a_linear_axis_lacks_is_a_force(self):
+        axis = self.folder / "axis.yaml"
+        axis.write_text("kind: axis\ndescription: A linear motor.\ncoordinate: {value: linear, source: test}\nmass: {value: 95, unit: kg, source: test}\n"
+                        "rated_force: {value: 600, unit: N, source: test}\ntop_speed: {value: 0.3, unit: m/s, source: test}\n")
+        gap = self.feeding(Said(1))
+        gap.nominal = read_nominal(axis)
+        self.tell(gap, 12, 0.1)
+        self.assertEqual([(each["label"], each["unit"]) for each in gap.state()["signals"]], [("missing force of group 1", "N")])
+        self.tell(gap, 2, 11.9)  # 2 % of 600 N
+        self.assertIsNone(gap.since)
+        self.tell(gap, 2, 12.1)
+        self.assertIsNotNone(gap.since)
 
 
 class AccessTest(unittest.TestCase):
@@ -255,6 +518,15 @@ class ChartsTest(unittest.TestCase):
         axis = {"total_ratio": 80.0, "machine": {"kind": "axis", "ratio": 100.0, "position_unit": "m", "speed_unit": "m/s"}}
         shown = {chart["title"]: (chart["unit"], chart["series"][0]["scale"]) for chart in charts.charts(axis, store)}
         self.assertEqual(shown, {"speed of the axis": ("m/s", 0.01), "force on the axis": ("kN", 1e-3)})
+        # What a motor that does not turn gives is a force (run.json of an axis with rated_force); one that turns drives a linear axis by torque.
+        store.append("TORQUE", time, {"motor_torque": np.full((10, 1), 300.0)})
+        store.append("OBSERVER", time, {"missing_torque": np.full((10, 1), 1.0)})
+        for name, unit, words in (("motor force", "N", ("motor force", "missing force", "N per motor", "% of the rated force")),
+                                  ("motor torque", "N m", ("motor torque", "missing torque", "N m per motor", "% of T100"))):
+            axis["machine"]["efforts"] = [{"name": name, "unit": unit}, {"name": "force on the axis", "unit": "N"}]
+            for rated, shown_in in ((None, words[2]), (600.0, words[3])):
+                shown = {chart["title"]: chart["unit"] for chart in charts.charts(axis | {"rated_torque": rated}, store)}
+                self.assertEqual((shown[words[0]], shown[f"{words[1]}, of the machine against its nominal model"]), (shown_in, shown_in))
         pose = charts.pose(axis, store, 0.05)
         self.assertEqual((pose["angle"], pose["rope"], pose["rod"]), (0.5, None, None))
         self.assertEqual(charts.quantities({})["gear"]["unit"], "MN m")
@@ -273,6 +545,43 @@ class ChartsTest(unittest.TestCase):
             time = 16 * k + np.arange(16.0)
             store.append("OBSERVER", time, {"tip_difference": np.full(16, 1.0 if k == 3 else np.nan)})
             self.assertEqual(charts.is_there("OBSERVER.tip_difference", store), k >= 3)
+
+    def test_where_messages_are_missing_nothing_is_drawn_and_no_value_told(self):
+        store, time = Store(), np.concatenate((np.arange(0, 500), np.arange(800, 2000))) * 0.01
+        store.append("OPERATOR", np.array([0.0, 6.0]), {"speed_request": np.array([0.0, 1.0])})
+        store.append("ENCODER", time, {"shaft_speed": time[:, None]})
+        store.append("TORQUE", time, {"motor_torque": np.full((len(time), 1), 7.0)})
+        signals = ["OPERATOR.speed_request", "ENCODER.shaft_speed.0", "TORQUE.motor_torque.0"]
+        # Samples at 4.99 s and 8.00 s: of 100 columns over 20 s those from 5.0 to 8.0 s; of a window within it all of them.
+        for first, last, columns in ((0.0, 20.0, [25, 40]), (6.0, 7.0, [0, 100]), (0.0, 5.0, None), (7.5, 8.5, [0, 50])):
+            found = charts.holes(store, signals, first, last, 100)
+            self.assertEqual(found, {} if columns is None else {signal: [columns] for signal in signals[1:]})
+            envelopes = charts.envelopes(store, signals, first, last, 100)
+            if columns:
+                self.assertTrue(np.isnan(envelopes["TORQUE.motor_torque.0"][0][slice(*columns)]).all(), "a torque stands, but not for seconds")
+        self.assertEqual(charts.values(store, signals, 4.995), {"OPERATOR.speed_request": (0.0, 0.0)})
+        self.assertEqual(charts.values(store, signals, 7.0), {"OPERATOR.speed_request": (1.0, 1.0)})
+        self.assertEqual(charts.values(store, signals, 9.006)["TORQUE.motor_torque.0"], (7.0, 7.0))
+        self.assertAlmostEqual(charts.values(store, signals, 9.006)["ENCODER.shaft_speed.0"][0], 9.0, delta=1e-6)
+        self.assertEqual(what_is_missing(store), ["messages are missing from 4.99 to 8.00 s"])
+        store.append("TRUTH", np.arange(0, 2000) * 0.01, {"house_speed": np.zeros(2000)})
+        self.assertEqual(what_is_missing(store), ["messages are missing of ENCODER, TORQUE from 4.99 to 8.00 s"])
+
+    def test_two_logs_have_no_difference_where_one_has_no_messages(self):
+        whole, cut = np.arange(0, 2000) * 0.01, np.concatenate((np.arange(0, 500), np.arange(800, 2000))) * 0.01
+        sources = [unittest.mock.Mock(facts={}, store=Store()) for _ in range(2)]
+        for source, time, other in ((sources[0], whole, 1.0), (sources[1], cut, 0.0)):
+            source.name = "log"
+            source.store.append("OPERATOR", time[::1000], {"speed_request": np.full(len(time[::1000]), other)})
+            source.store.append("ENCODER", time, {"shaft_speed": np.full((len(time), 1), other)})
+            source.store.append("TORQUE", time, {"motor_torque": np.full((len(time), 1), other)})
+        for pair, sign in ((sources, 1.0), (sources[::-1], -1.0)):
+            found = Difference(*pair).store
+            for signal in ("ENCODER.shaft_speed.0", "TORQUE.motor_torque.0"):
+                self.assertEqual(charts.values(found, [signal], 4.0), {signal: (sign, sign)})
+                self.assertEqual(charts.values(found, [signal], 6.0), {})
+                self.assertEqual(charts.holes(found, [signal], 0.0, 20.0, 100), {signal: [[25, 40]]})
+            self.assertIn("OPERATOR.speed_request", charts.values(found, ["OPERATOR.speed_request"], 6.0))
 
     def test_the_bands_of_the_play_compensation_are_drawn_once_it_has_acted(self):
         store = Store()

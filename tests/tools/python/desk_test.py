@@ -74,7 +74,11 @@ class DeskTest(unittest.TestCase):
         return page
 
     def test_a_recorded_log_is_scrubbed(self):
-        with DeskProcess(made_run.write_run(self.folder / "a")) as desk:
+        events = made_run.messages()
+        for channel, time, message in events:
+            if channel == "TORQUE":  # group 2 by 2 % of T100 more every 10 ms, and from the beginning again every 100 ms
+                message.motor_torque = [message.motor_torque[0], message.motor_torque[1] + 5.0 * (time // 10_000_000 % 10)]
+        with DeskProcess(made_run.write_run(self.folder / "a", events=events)) as desk:
             page = self.open(desk.address)
             self.assertIn("slewing speed", page.value("document.body.innerText"))
             page.value("desk.seek(NaN), desk.send({type: 'view', from: null, to: 1, at: 1, pixels: 100, signals: []})")
@@ -87,17 +91,59 @@ class DeskTest(unittest.TestCase):
             # Modes that the axis does not show are named beside it.
             self.assertRegex(page.value("desk.spectrumChart.legend.innerText"), r"off the axis: load 1 0\.07")
             self.assertNotIn("bending 1", page.value("desk.spectrumChart.legend.innerText"))
-            # The run's messages say: -50 N m of 250 before the stop at 10 s in group 2, 30 N m behind it; a request of 1 from 2 s on.
-            for time, torque, request in ((1.0, -20.0, "0 %"), (5.0, -20.0, "100 %"), (15.0, 12.0, "100 %, emergency stop")):
-                page.value(f"document.getElementById('scrub').value = {time}, "
-                           "document.getElementById('scrub').dispatchEvent(new Event('input'))")
-                page.until(f"Math.abs(desk.charts[1].cursor - {time}) < 0.001")
-                page.until(f"Number([...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
-                           f".querySelectorAll('b')[1].textContent) === {torque}")
-                self.assertIn(f"request\n{request}\n", page.value("document.getElementById('facts').innerText"))
+            # The run's messages say: -50 N m of 250 before the stop at 10 s in group 2, 30 N m behind it, and what it changes by; a request of
+            # 1 from 2 s on. What is told is the message at the cursor or before it, however many of them a column of pixels holds.
+            for width, span in ((1400, 20), (1400, 0), (420, 2), (420, 0)):
+                page.size(width, 900)
+                page.value(f"document.getElementById('span').value = '{span}', document.getElementById('span').dispatchEvent(new Event('change'))")
+                for time, torque, request in ((1.0, -20.0, "0 %"), (5.094, -2.0, "100 %"), (9.999, -2.0, "100 %"), (15.025, 16.0, "100 %, emergency stop")):
+                    page.value(f"document.getElementById('scrub').value = {time}, "
+                               "document.getElementById('scrub').dispatchEvent(new Event('input'))")
+                    page.until(f"Math.abs(desk.charts[1].cursor - {time}) < 0.0001")
+                    shown = page.value("[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque')).querySelectorAll('b')[1].textContent")
+                    self.assertEqual(float(shown), torque, (width, span, time))
+                    self.assertIn(f"request\n{request}\n", page.value("document.getElementById('facts').innerText"))
+                # Two numbers at least say what a chart's height is.
+                self.assertEqual(page.value("desk.charts.filter(c => new Set(c.plot.axes[1]._values.filter(Boolean)).size < 2).map(c => c.description.title)"), [])
+            page.size(1400, 900)
+            # A part that was zoomed to is left by a double click.
+            page.value("document.getElementById('span').value = '20', document.getElementById('span').dispatchEvent(new Event('change'))")
+            x, y, width = page.middle(".chart .u-over")
+            page.mouse("mousePressed", x - 0.2 * width, y)
+            page.mouse("mouseMoved", x, y)
+            page.mouse("mouseReleased", x + 0.2 * width, y)
+            page.until("desk.charts[0].plot.scales.x.max - desk.charts[0].plot.scales.x.min < 10")
+            for count in (1, 2):
+                for kind in ("mousePressed", "mouseReleased"):
+                    page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=count)
+            page.until("desk.window === null && desk.charts[0].plot.scales.x.max - desk.charts[0].plot.scales.x.min === 20")
+            page.value("desk.seek(15)")
             # Played ten times as fast from 15 s on, it comes to its end at 20 s and stops there.
             page.value("document.getElementById('rate').value = '20', desk.play(true)")
             page.until("!desk.playing && Math.abs(desk.at - 20) < 0.001")
+
+    def test_where_messages_are_missing_no_line_is_drawn_and_it_is_said(self):
+        events = [event for event in made_run.messages() if not 5_000_000_000 <= event[1] < 8_000_000_000]
+        with DeskProcess(made_run.write_run(self.folder / "a", events=events)) as desk:
+            page = self.open(desk.address)
+            self.assertIn("messages are missing from 4.99 to 8.00 s", page.value("document.getElementById('notice').innerText"))
+            page.value("desk.seek(6)")
+            page.until("desk.at === 6 && desk.charts[0].cursor === 6")
+            for title, drawn in (("slewing speed", "1"), ("motor torque", "0"), ("acceleration, lateral", "0")):
+                # Of the columns between those two times every one is empty; the request alone stands on, and is told.
+                page.until(f"(() => {{ const chart = desk.charts.find(c => c.description.title === '{title}'), [times, ...lines] = chart.plot.data;"
+                           f" const isEmpty = (line) => times.every((t, k) => t < 5.1 || t > 7.9 || line[k] === null);"
+                           f" return lines.length > {drawn} && lines.slice({drawn}).every(isEmpty) && lines.every(line => line[0] !== null)"
+                           f" && chart.values.slice({drawn}).every(value => value.textContent === '–'); }})()")
+
+    def test_what_a_picture_lacks_is_said_within_it(self):
+        with DeskProcess(made_run.write_run(self.folder / "a"), made_run.write_run(self.folder / "b")) as desk:
+            page = self.open(desk.address, width=800)
+            page.value("window.written = [], CanvasRenderingContext2D.prototype.fillText = function (text, x) {"
+                       " if (this.canvas.id === 'above') written.push([text, x + this.measureText(text).width <= this.canvas.clientWidth]); }, desk.seek(3)")
+            page.until("written.length > 1")
+            self.assertEqual(page.value("written.filter(([, fits]) => !fits)"), [])
+            self.assertIn("second log: the crane's shape is not in this log", page.value("written.map(([text]) => text).join(' ')"))
 
     def test_two_logs_are_drawn_over_each_other_and_as_their_difference(self):
         other = made_run.messages()
@@ -393,6 +439,24 @@ class DeskTest(unittest.TestCase):
         log = read_run_log(self.folder / "runs" / "diagnosis_1" / "last_minute.lcmlog")
         self.assertGreater(len(log.channel("ENCODER")), 1000)
 
+    def test_a_run_that_begins_anew_is_watched_and_diagnosed_alone(self):
+        with self.steered("--nominal", REPOSITORY / "config" / "cranes" / "thesis.yaml") as desk:
+            page = self.open(desk.address)
+            self.speed_up(page)
+            page.until("document.getElementById('gap').innerText.includes('Not known yet whether there is a gap: what size is usual is known from about ') && desk.at > 3")
+            self.assertNotIn("usual –", page.value("document.getElementById('gap').innerText"))
+            page.click("#anew")
+            page.until("document.getElementById('name').textContent === 'thesis_slew, 2' && desk.at > 0 && desk.at < desk.last + 1")
+            self.speed_up(page)
+            page.until("document.getElementById('gap').innerText.includes('missing torque of group 2') && desk.at > 3")
+            page.click("#diagnose")
+            page.until("['under way', 'done', 'cannot tell'].some(s => document.getElementById('gap').innerText.includes('Diagnosis ' + s))")
+        runs = self.folder / "runs"
+        held, second = (read_run_log(log).channel("ENCODER") for log in (runs / "diagnosis_1" / "last_minute.lcmlog", runs / "2" / "run.lcmlog"))
+        self.assertEqual(set(held["run_identity"]), {second["run_identity"][0]})
+        self.assertLessEqual(set(held["simulated_time"]), set(second["simulated_time"]))
+        self.assertTrue((np.diff(held["simulated_time"]) > 0).all())
+
     def test_the_lever_follows_a_finger_and_a_gamepad(self):
         with self.steered() as desk:
             page = self.open(desk.address, width=420)
@@ -437,6 +501,48 @@ class DeskTest(unittest.TestCase):
             page.value("window.pad.axes[0] = 0.02")  # a stick at rest is never quite at zero
             page.until("document.getElementById('facts').innerText.includes('request\\n0 %, emergency stop')")
             self.assertIn("PULL TO RELEASE", page.value("document.getElementById('stop').innerText"))
+
+    def test_the_emergency_stop_takes_a_second_finger_a_mouse_and_a_key_once_each(self):
+        with self.steered() as desk:
+            page = self.open(desk.address, width=420)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            page.value("window.said = [], desk.steering.stop = (pressed) => { said.push(pressed); Steering.prototype.stop.call(desk.steering, pressed); }")
+            x, y, width = page.middle("#lever")
+            held = x - 0.4 * (width / 2 - 27), y, 1
+            self.fingers(page, "touchStart", (x, y, 1))
+            self.fingers(page, "touchMove", held)
+            page.until("document.getElementById('facts').innerText.includes('request\\n-40 %')")
+            self.fingers(page, "touchStart", held, (*page.middle("#stop")[:2], 2))
+            page.until("document.getElementById('facts').innerText.includes('request\\n-40 %, emergency stop')")
+            self.fingers(page, "touchEnd")
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %, emergency stop')")
+
+            def tap():
+                self.fingers(page, "touchStart", (*page.middle("#stop")[:2], 1))
+                self.fingers(page, "touchEnd")
+
+            def enter():
+                page.value("document.getElementById('stop').focus()")
+                for repeats in (False, True, True):  # held for a while
+                    page.call("Input.dispatchKeyEvent", type="keyDown", key="Enter", code="Enter", text="\r", windowsVirtualKeyCode=13, autoRepeat=repeats)
+                page.call("Input.dispatchKeyEvent", type="keyUp", key="Enter", code="Enter", windowsVirtualKeyCode=13)
+
+            expected = [True]
+            for press in (tap, tap, lambda: page.click("#stop"), lambda: page.click("#stop"), enter, enter,
+                          lambda: page.value("document.getElementById('stop').click()")):  # as a screen reader presses it
+                expected.append(not expected[-1])
+                press()
+                page.until(f"desk.steering.stopPressed === {json.dumps(expected[-1])}")
+            page.value("document.getElementById('stop').focus()")
+            page.key("keyDown", " ", "Space")
+            page.key("keyUp", " ", "Space")
+            page.until("desk.steering.stopPressed")
+            self.assertEqual(page.value("said"), [*expected, True])
+
+    def fingers(self, page, kind, *places):
+        """(x, y, number of the finger) of each that touches the page."""
+        page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": number} for x, y, number in places])
 
     def test_the_page_is_readable_in_three_widths_light_and_dark(self):
         texts = ("h1", ".badge", ".clock", ".chart h2", ".chart h2 small", ".legend", ".legend b", "figcaption", "dt", "dd", ".hint", "#take", "fieldset label", "#record", ".stop")
@@ -531,10 +637,11 @@ class DeskTest(unittest.TestCase):
         self.assertFalse(operator["emergency_stop"].any())
 
     def test_what_cannot_begin_is_said_and_no_page_is_served(self):
-        wrong = self.folder / "wrong.yaml"
+        wrong, scenario = self.folder / "wrong.yaml", REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"
         wrong.write_text((REPOSITORY / "config" / "cranes" / "thesis.yaml").read_text())
         for arguments, words in (((wrong, "--out", self.folder / "runs"), f"{wrong}:1:7: key 'kind': found crane, expected scenario"),
                                  ((made_run.write_run(self.folder / "a"), "--controller", "./mine"), "--controller: of a scenario that the desk runs; this one shows a log"),
+                                 ((scenario, "--out", self.folder / "runs", "--nominal", scenario), f"{scenario}:1:7: key 'kind': found scenario, expected crane or axis"),
                                  ((self.folder / "a", "--port", "70000"), "found '70000', expected a number from 0 to 65535")):
             end = subprocess.run([SLEWLAB, "desk", *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
             with self.subTest(words=words):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from desk.source import HELD
+from desk.source import HELD, SPORADIC
 
 GROUPS = 8  # [-] the most that a machine has
 
@@ -44,14 +44,18 @@ def ratio_of(facts):
 
 
 def quantities(facts):
-    """What the position and the torque at the gearbox are called and shown in: {"position", "gear"}."""
+    """What the position, the motors' torque and that at the gearbox are called and shown in: {"position", "effort", "gear"}."""
     if not is_axis(facts):
         return {"position": {"title": "slew angle", "unit": "°", "scale": 180.0 / np.pi},
+                "effort": {"title": "motor torque", "missing": "missing torque", "unit": "N m per motor", "share": "% of T100"},
                 "gear": {"title": "gearbox torque", "unit": "MN m", "of": " on the slew axis", "scale": 1e-6}}
+    is_force = any(effort["name"] == "motor force" for effort in facts["machine"].get("efforts", []))  # of a motor that does not turn
     unit = facts["machine"].get("position_unit", "rad")
     is_linear = unit == "m"
     return {"position": {"title": "position of the axis" if is_linear else "angle of the axis", "unit": unit, "scale": 1.0},
-            "gear": ({"title": "force on the axis", "unit": "kN", "of": "", "scale": 1e-3} if is_linear
+            "effort": ({"title": "motor force", "missing": "missing force", "unit": "N per motor", "share": "% of the rated force"} if is_force
+                       else {"title": "motor torque", "missing": "missing torque", "unit": "N m per motor", "share": "% of T100"}),
+            "gear": ({"title": "force on the axis", "unit": "kN", "of": "", "scale": 1e-3} | ({"label": "axis"} if is_force else {}) if is_linear
                      else {"title": "gearbox torque", "unit": "kN m", "of": " on the axis", "scale": 1e-3})}
 
 
@@ -59,7 +63,7 @@ def charts(facts, store):
     """The charts of a run, those that its signals allow."""
     of_axis, ratio, top, rated = is_axis(facts), ratio_of(facts), facts.get("top_speed"), facts.get("rated_torque")
     machine = facts.get("machine", {})
-    position, gear = (quantities(facts)[name] for name in ("position", "gear"))
+    position, effort, gear = (quantities(facts)[name] for name in ("position", "effort", "gear"))
     groups = range(GROUPS)
     share = 100.0 / rated if rated else 1.0
     speed_unit = machine.get("speed_unit", "rad/s")
@@ -69,13 +73,13 @@ def charts(facts, store):
             *[series(f"ENCODER.shaft_speed.{g}", f"motors {g + 1}", 1.0 / (ratio or 1.0), g) for g in groups],
             *([series("CONTROLLER_STATE.ramped_speed", "ramp", 1.0, "ramp", dash=True)] if ratio else []),
             *([series("TRUTH.house_speed", "axis" if of_axis else "house", 1.0, "house")] if ratio else [])]},
-        {"title": "motor torque", "unit": "% of T100" if rated else "N m per motor", "series": [
+        {"title": effort["title"], "unit": effort["share" if rated else "unit"], "series": [
             *[series(f"TORQUE.motor_torque.{g}", f"group {g + 1}", share, g, held=True) for g in groups],
             *([series("compensation.high", "compensation, upper", share, "band", held=True, dash=True),
                series("compensation.low", "compensation, lower", share, "band", held=True, dash=True, band=True)]
               if compensates(store) else [])]},
         {"title": gear["title"], "unit": gear["unit"] + gear["of"], "series": [
-            series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", gear["scale"], g) for g in groups]},
+            series(f"TRUTH.gearbox_torque.{g}", gear.get("label", f"gearbox {g + 1}"), gear["scale"], g) for g in groups]},
         {"title": "acceleration, lateral", "unit": "m/s²", "series": [
             series("SENSORS.tip_acceleration", "tip", 1.0, 0), series("SENSORS.middle_acceleration", "middle", 1.0, 1),
             series("SENSORS.pivot_acceleration", "pivot", 1.0, 3), series("SENSORS.house_acceleration", "house", 1.0, "house")]},
@@ -85,7 +89,7 @@ def charts(facts, store):
             series("SENSORS.slew_angle", "axis" if of_axis else "house", position["scale"], "house")]},
     ]
     observed = [
-        {"title": "missing torque, of the machine against its nominal model", "unit": "% of T100" if rated else "N m per motor",
+        {"title": f"{effort['missing']}, of the machine against its nominal model", "unit": effort["share" if rated else "unit"],
          "series": [series(f"OBSERVER.missing_torque.{g}", f"group {g + 1}", share, g) for g in groups]},
         {"title": "acceleration, measured minus observer", "unit": "m/s²", "series": [
             series(f"OBSERVER.{place}_difference", place, 1.0, colour)
@@ -111,21 +115,59 @@ def compensates(store):
                for level in store.channels[name].levels)
 
 
+COMPENSATION = (("compensation.high", 1.0), ("compensation.low", -1.0))
 # Made of two signals of one channel: mean torque plus and minus half the difference that the play compensation adds.
 DERIVED = {"compensation.high": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque"),
            "compensation.low": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque")}
 
 
+def plain(signals):
+    """Signals of messages, those too that others are derived of."""
+    return sorted({part for signal in signals for part in DERIVED.get(signal, (signal,))})
+
+
+def channel_of(signal):
+    return DERIVED.get(signal, (signal,))[0].split(".")[0]
+
+
+def holes(store, signals, first, last, bins):
+    """{signal: [[begin, end], ...]} of the window's columns between those that hold the messages before and behind a hole; of what is said
+    when something changes, no message is missing."""
+    def column(time):
+        return int((time - first) / (last - first) * bins)
+
+    of_channel = {}
+    for name in {channel_of(signal) for signal in signals} - set(SPORADIC):
+        within = store.channels[name].holes_within(first, last) if name in store.channels else []
+        columns = [[column(before) + 1 if before >= first else 0, min(bins, column(behind))] for before, behind in within]
+        of_channel[name] = [[begin, end] for begin, end in columns if begin < end]
+    return {signal: of_channel[channel_of(signal)] for signal in signals if of_channel.get(channel_of(signal))}
+
+
+def values(store, signals, time):
+    """{signal: (lowest, highest)} of what was said last at a time: twice the sample's value, or what a piece of a long run holds of which
+    no sample is kept. Nothing where messages are missing."""
+    found = store.ranges_at(plain(signals), time)
+    for signal, sign in COMPENSATION:
+        if signal in signals and all(part in found for part in DERIVED[signal]):
+            (low, high), (offset_low, offset_high) = (found[part] for part in DERIVED[signal])
+            offset = 0.5 * (offset_low + offset_high)
+            found[signal] = low + sign * offset, high + sign * offset
+    silent = {name for name, channel in store.channels.items() if name not in SPORADIC and channel.holes_within(time, time)}
+    return {signal: found[signal] for signal in signals if signal in found and channel_of(signal) not in silent}
+
+
 def envelopes(store, signals, first, last, bins):
-    """{signal: (low, high)} with what is derived; what stands until the next value stands there."""
-    plain = set()
-    for signal in signals:
-        plain.update(DERIVED.get(signal, (signal,)))
-    found = store.envelopes(sorted(plain), first, last, bins)
+    """{signal: (low, high)} with what is derived; what stands until the next value stands there, but not where messages are missing."""
+    found = store.envelopes(plain(signals), first, last, bins)
+    missing = holes(store, found, first, last, bins)
     for signal, envelope in found.items():
         if signal.split(".")[0] in HELD:
             store.hold(signal, envelope, first, last)
-    for signal, sign in (("compensation.high", 1.0), ("compensation.low", -1.0)):
+        for begin, end in missing.get(signal, ()):
+            for part in envelope:
+                part[begin:end] = np.nan
+    for signal, sign in COMPENSATION:
         if signal in signals and all(part in found for part in DERIVED[signal]):
             (low, high), (offset_low, offset_high) = (found[part] for part in DERIVED[signal])
             offset = 0.5 * (offset_low + offset_high)

@@ -12,6 +12,7 @@ from desk.source import event_bytes
 SPAN = 60.0  # [s]
 STANDING = ("OPERATOR", "PLANT_STATUS")  # what their last message says stands until the next one
 LATER = (0.0, 1.5, 3.0)  # [s] by which the minute begins later where it is refused: not every moment is one to begin at; chosen
+MOST = 1 << 20  # [events] that are held of it: a run that stands still may say the same again and again
 CANNOT_TELL = 3  # exit code of slewlab diagnose (docs/command_line.md)
 LAST_WORDS = 3
 
@@ -29,8 +30,13 @@ class Minute:
 
     def take(self, events, newest):
         self.events.extend((newest, channel, data) for channel, data in events)
-        while self.events and self.events[0][0] < newest - SPAN:
+        while self.events and (self.events[0][0] < newest - SPAN or len(self.events) > MOST):
             drop(self.events, self.standing)
+
+    def clear(self):
+        """As at the beginning: of another run."""
+        self.events.clear()
+        self.standing.clear()
 
     def write(self, path, later=0.0):
         """`later` [s]: without so much of its beginning."""

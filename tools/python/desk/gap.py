@@ -5,10 +5,12 @@ import asyncio
 import collections
 import json
 import math
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from run_log import messages_folder
+from run_log import LogProblem, messages_folder
 from desk.source import event_bytes
 
 CHANNEL = "OBSERVER"
@@ -18,6 +20,35 @@ FLOOR_SHARE = 0.02  # of the rated torque, chosen: below it a missing torque is 
 FLOOR_ACCELERATION = 0.02  # [m/s^2] chosen: four times the noise of an ordinary accelerometer
 MOST_WAITING = 1 << 26  # [bytes] that the observer may be behind
 USED = ("ENCODER", "TORQUE", "SENSORS", "PLANT_STATUS")
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """The nominal machine: its file, and what its motors are rated for, each in [N m], or in [N] where they do not turn."""
+
+    path: Path
+    rated: float
+    unit: str
+
+    @property
+    def effort(self):
+        return "force" if self.unit == "N" else "torque"
+
+
+def read_nominal(path):
+    """LogProblem where the file is none of a machine, or anything in it is wrong."""
+    from core_module import core
+
+    try:
+        machine = core.Machine(Path(path), [])
+    except core.InputError as problems:
+        raise LogProblem(str(problems)) from problems
+    return Nominal(Path(path), machine.rated_torque, "N" if machine.is_shaft_linear else "N m")
+
+
+def is_effort(signal):
+    """Whether a signal is the motors' missing torque, or force; else it is an acceleration."""
+    return signal.startswith("missing_torque")
 
 
 class Sizes:
@@ -31,6 +62,10 @@ class Sizes:
     def usual(self):
         """The median of the blocks that were not called unusual."""
         return float(np.median(self.sizes)) if len(self.sizes) >= FEWEST_BLOCKS else math.nan
+
+    def usual_from(self, now):
+        """[s] from when on something is called usual, where from now on values come all the time."""
+        return (max(self.block, math.floor(now / self.length)) + FEWEST_BLOCKS - len(self.sizes)) * self.length
 
     def add(self, time, values):
         blocks = np.floor(time / self.length)
@@ -53,21 +88,36 @@ class Sizes:
 
 class Gap:
     def __init__(self, source, nominal, minute):
-        """`minute` keeps the newest events, for a diagnosis."""
+        """`nominal`: a Nominal; `minute` keeps the newest events, for a diagnosis."""
         self.source, self.nominal, self.minute = source, nominal, minute
         self.sizes, self.since, self.problem, self.remark = {}, None, "", ""
         self.block = math.nan  # [s] the machine's characteristic time, which the observer says first
-        source.incoming.taps.append(self.feed)
+        self.run = None  # of the source, that is heard
+        self.beginning, self.waiting = None, []  # another observer, and what it will be told
 
     async def start(self):
+        """Hears nothing before the observer is there: a source that goes on meanwhile is not to be polled."""
+        await self._start_observer()
+        self.source.incoming.taps.append(self.feed)
+
+    async def _start_observer(self):
         self.process = await asyncio.create_subprocess_exec(
-            messages_folder() / "slewlab-live-observer", self.nominal, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+            messages_folder() / "slewlab-live-observer", self.nominal.path, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE, limit=1 << 24, start_new_session=True)
-        self.listening = asyncio.create_task(self._listen())
+        self.listening = asyncio.create_task(self._listen(self.process))
 
     def feed(self, events):
-        """Hands the events on; an observer that cannot keep up is left behind and says so."""
+        """Keeps the events and hands them on."""
+        if self.source.incoming.run != self.run:
+            events = self._begin_another(events)
         self.minute.take(events, self.source.store.last)
+        if self._is_beginning:
+            self.waiting += events
+        else:
+            self._hand_on(events)
+
+    def _hand_on(self, events):
+        """An observer that cannot keep up is left behind and says so."""
         pipe = self.process.stdin
         if self.problem or pipe.is_closing():
             return
@@ -76,8 +126,36 @@ class Gap:
             return
         pipe.write(b"".join(event_bytes(0, 0.0, channel, data) for channel, data in events if channel in USED))
 
-    async def _listen(self):
-        async for line in self.process.stdout:
+    def _begin_another(self, events):
+        """Another run: what is usual, and what is diagnosed, is its own. Its events, without the last ones of the run before."""
+        is_first, self.run = self.run is None, self.source.incoming.run
+        self.minute.clear()
+        if is_first:
+            return events
+        self.sizes, self.since, self.problem, self.remark, self.waiting = {}, None, "", "", []
+        if not self._is_beginning:
+            self.beginning = asyncio.create_task(self._replace_observer())
+        return self.source.incoming.of_this_run(events)
+
+    @property
+    def _is_beginning(self):
+        return self.beginning is not None and not self.beginning.done()
+
+    async def _replace_observer(self):
+        """An observer is of one run."""
+        process, self.process = self.process, None
+        process.stdin.close()
+        if process.returncode is None:
+            process.kill()
+        await self.listening
+        await self._start_observer()
+        self._hand_on(self.waiting)
+        self.waiting = []
+
+    async def _listen(self, process):
+        async for line in process.stdout:
+            if process is not self.process:  # of a run before
+                continue
             said = json.loads(line)
             if "characteristic_time" in said:
                 self.block = said["characteristic_time"]
@@ -85,8 +163,8 @@ class Gap:
                 self._take(said)
             elif "begins_again" in said:
                 self.remark = f"the observer began again: {said['begins_again']}"
-        words = (await self.process.stderr.read()).decode(errors="replace").strip()
-        if await self.process.wait() != 0:
+        words = (await process.stderr.read()).decode(errors="replace").strip()
+        if await process.wait() != 0 and process is self.process:
             self.problem = words or "the observer ended"
 
     def _take(self, said):
@@ -95,28 +173,32 @@ class Gap:
         for place, values in said["acceleration_difference"].items():
             columns[f"{place}_difference"] = np.array(values, float)
         self.source.store.append(CHANNEL, time, columns)
-        rated = self.source.facts.get("rated_torque", 0.0)
+        nominal = self.nominal
         for group, values in enumerate(columns["missing_torque"].T):
-            self._size(f"missing_torque.{group}", f"missing torque of group {group + 1}", FLOOR_SHARE * rated, time, values)
+            self._size(f"missing_torque.{group}", f"missing {nominal.effort} of group {group + 1}", nominal.unit, FLOOR_SHARE * nominal.rated, time, values)
         for place in said["acceleration_difference"]:
-            self._size(f"{place}_difference", f"acceleration at the {place}", FLOOR_ACCELERATION, time, columns[f"{place}_difference"])
-        is_open = any(sizes.is_open for _, sizes in self.sizes.values())
+            self._size(f"{place}_difference", f"acceleration at the {place}", "m/s²", FLOOR_ACCELERATION, time, columns[f"{place}_difference"])
+        is_open = any(sizes.is_open for _, _, sizes in self.sizes.values())
         self.since = (self.since if self.since is not None else float(time[-1])) if is_open else None
 
-    def _size(self, signal, label, floor, time, values):
+    def _size(self, signal, label, unit, floor, time, values):
         if signal not in self.sizes:
-            self.sizes[signal] = label, Sizes(floor, self.block)
-        self.sizes[signal][1].add(time, values)
+            self.sizes[signal] = label, unit, Sizes(floor, self.block)
+        self.sizes[signal][2].add(time, values)
 
     def state(self):
         def known(value):
             return value if math.isfinite(value) else None
 
-        return {"problem": self.problem, "remark": self.remark, "since": self.since,
-                "signals": [{"signal": f"{CHANNEL}.{signal}", "label": label, "size": known(sizes.newest), "usual": known(sizes.usual),
-                             "open": sizes.is_open} for signal, (label, sizes) in self.sizes.items()]}
+        now = self.source.store.last
+        waited_for = [sizes.usual_from(now) for signal, (_, _, sizes) in self.sizes.items() if is_effort(signal) and not math.isfinite(sizes.usual)]
+        return {"problem": self.problem, "remark": self.remark, "since": self.since, "usual_from": max(waited_for, default=None),
+                "signals": [{"signal": f"{CHANNEL}.{signal}", "label": label, "unit": unit, "is_effort": is_effort(signal), "size": known(sizes.newest),
+                             "usual": known(sizes.usual), "open": sizes.is_open} for signal, (label, unit, sizes) in self.sizes.items()]}
 
     async def end(self):
+        if self._is_beginning:
+            await self.beginning
         self.process.stdin.close()
         try:
             await asyncio.wait_for(asyncio.shield(self.listening), 5.0)

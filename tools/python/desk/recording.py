@@ -14,18 +14,18 @@ class Recorder:
 
     def __init__(self, out):
         self.out, self.source, self.file, self.folder = Path(out), None, None, None
-        self.standing, self.identity, self.count, self.since, self.until, self.problem = {}, None, 0, None, None, ""
+        self.standing, self.run, self.newest, self.count, self.since, self.until, self.problem = {}, None, None, 0, None, None, ""
 
     def attach(self, source):
         self.stop()
-        self.source, self.standing = source, {}
+        self.source, self.standing, self.run = source, {}, source.incoming.run
         source.incoming.taps.append(self.take)
 
     def begin(self):
         """What the last messages say that stand until the next one is in front."""
         self.stop()
         self.folder, self.problem, self.count = next_folder(self.out, "recording_"), "", 0
-        self.identity, self.since, self.until = self.source.incoming.identity, self.source.store.last, None
+        self.since, self.newest, self.until = self.source.store.last, self.source.store.last, None
         try:
             self.folder.mkdir(parents=True)
             self._tell({"end": "under way"})
@@ -45,8 +45,10 @@ class Recorder:
         (self.folder / "run.json").write_text(text, encoding="utf-8")
 
     def take(self, events):
-        if self.file is not None and self.source.incoming.identity != self.identity:  # another run on this bus
+        if self.source.incoming.run != self.run:  # another one: of what stood before, nothing does any more
             self.stop()
+            self.standing, self.run, events = {}, self.source.incoming.run, self.source.incoming.of_this_run(events)
+        self.newest = self.source.store.last
         self._write(events)
         self.standing.update((channel, data) for channel, data in events if channel in HELD)
 
@@ -67,7 +69,7 @@ class Recorder:
     def stop(self):
         if self.file is None:
             return
-        file, self.file, self.until = self.file, None, self.source.store.last
+        file, self.file, self.until = self.file, None, self.newest
         try:
             file.close()
             self._tell({"end": "complete", "recorded_until": self.until})

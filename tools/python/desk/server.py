@@ -105,10 +105,11 @@ class Desk:
             await self.run.end()
             if self.gap is not None:
                 await self.gap.end()
-            self.sources[0] = await self.run.start(play_compensation)
-            self.recorder.attach(self.sources[0])
+            source = await self.run.start(play_compensation)
+            self.recorder.attach(source)
             if self.watch is not None:
-                self.gap = await self.watch(self.sources[0])
+                self.gap = await self.watch(source)
+            self.sources[0] = source  # followed from now on, when all hear it
         finally:
             self.restarting = False
 
@@ -216,11 +217,15 @@ class Page:
         at = newest if live else number(request.get("at", last), -1e9, 1e9)
         pixels = int(number(request["pixels"], 16, MOST_PIXELS))
         header, blocks = {"type": "view", "from": first, "to": last, "at": at, "bins": pixels, "newest": newest, "signals": [],
-                          "sources": [], **self.run_state()}, []
+                          "values": [], "holes": [], "sources": [], **self.run_state()}, []
         for source, signals in zip(sources, request["signals"]):
             found = charts.envelopes(source.store, signals[:MOST_SIGNALS], first, last, pixels)
             names = [signal for signal in signals if signal in found]
             header["signals"].append(names)
+            said = charts.values(source.store, names, at)
+            header["values"].append([[finite(value) for value in said.get(name, ())] for name in names])
+            missing = charts.holes(source.store, names, first, last, pixels)
+            header["holes"].append([missing.get(name, []) for name in names])
             has_ended = not source.is_live and at > source.store.last
             header["sources"].append({"pose": None if has_ended else charts.pose(source.facts, source.store, at),
                                       "state": charts.state(source.store, at), "ended": source.store.last if has_ended else None,

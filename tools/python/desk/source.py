@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import json
+import os
 import struct
 from pathlib import Path
 
@@ -23,8 +24,11 @@ USED = {
     "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
     "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
 }
+SPORADIC = ("OPERATOR", "PLANT_STATUS")  # where none comes, none is missing
 HELD = ("OPERATOR", "TORQUE", "CONTROLLER_STATE", "PLANT_STATUS")  # their values stand until the next ones
 WHOLE = 1 << 24  # [samples] of a recorded log's channel that are kept one by one: more than four hours at 1 kHz
+
+MOST_TOLD = 3  # stretches of time without messages that are named
 
 EVENT = struct.Struct(">IqqII")  # LCM's event format: sync word, number, time stamp [us], lengths of channel and data
 SYNC = 0xEDA1DA01
@@ -42,6 +46,22 @@ def fill(store, channel, messages):
     """Structured messages of one channel into the store."""
     fields = [field for field in USED.get(channel, ()) if field in messages.dtype.names]
     store.append(channel, messages["simulated_time"] / 1e9, {field: messages[field] for field in fields})
+
+
+def what_is_missing(store):
+    """Words for the first stretches of time of which a log lacks messages."""
+    channels = {name: channel for name, channel in store.channels.items() if name not in SPORADIC}
+    stretches = []  # [begin, end, channels]
+    for begin, end, name in sorted((*hole, name) for name, channel in channels.items() for hole in channel.holes):
+        if stretches and begin < stretches[-1][1]:
+            stretches[-1][1] = max(end, stretches[-1][1])
+            stretches[-1][2].add(name)
+        else:
+            stretches.append([begin, end, {name}])
+    whose = ["" if len(names) == len(channels) else "of " + ", ".join(sorted(names)) + " " for _, _, names in stretches]
+    words = [f"{of}from {begin:.2f} to {end:.2f} s" for of, (begin, end, _) in zip(whose, stretches[:MOST_TOLD])]
+    more = [f"and {len(stretches) - MOST_TOLD} times more"] if len(stretches) > MOST_TOLD else []
+    return [f"messages are missing {', '.join(words + more)}"] if words else []
 
 
 class NoBus(LogProblem):
@@ -64,9 +84,19 @@ class Recorded:
                 fill(self.store, channel, messages)
         if not np.isfinite(self.store.last):
             raise LogProblem(f"{run.log.path}: nothing in it that could be drawn")
+        self.remarks = [*self.remarks, *what_is_missing(self.store)]
 
     def poll(self):
         return False
+
+
+def within(holes, time):
+    """Which times lie in holes of a channel."""
+    if not holes:
+        return np.zeros(len(time), bool)
+    before, behind = np.array(holes).T
+    place = np.searchsorted(before, time, "left") - 1
+    return (place >= 0) & (time < behind[place])
 
 
 class Difference:
@@ -83,6 +113,9 @@ class Difference:
                 continue
             time, values = channel.samples(*(max(first.store.first, second.store.first), min(first.store.last, second.store.last)))
             other_time, other_values = other.samples(-np.inf, np.inf)
+            if name not in SPORADIC:
+                is_there = ~within(other.holes, time)
+                time, values = time[is_there], values[:, is_there]
             if len(time) == 0 or len(other_time) == 0:
                 continue
             if name in HELD:
@@ -130,6 +163,7 @@ KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "in
 OF_CONTROLLER = ("TORQUE", "CONTROLLER_STATE")  # logged as they came, whatever that was
 LATE = 5_000_000_000  # [ns] by which an answer may lie beside the plant's messages that came with it
 FINGERPRINT = 8  # [bytes] in front of every message
+IDENTITY = slice(32, 40)  # [bytes] of every message: of which run it is
 
 
 class Decoder:
@@ -152,10 +186,12 @@ class Decoder:
 
 class Incoming:
     """Events as they come, of one run at a time: `receive` gets every channel's rows, `begin` is called where another run's ENCODER
-    comes and none of the one before."""
+    comes and none of the one before, or the time falls: the same is said once more."""
 
     def __init__(self, receive, begin=lambda: None):
         self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
+        self.run = 0  # counts the runs
+        self.newest = None  # [ns] of this run's ENCODER
         self.span = None  # [ns] times of the plant's messages of this batch
         self.taps = []  # each gets all events as they are, when it is known of which run they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
@@ -178,12 +214,12 @@ class Incoming:
                 except (ValueError, struct.error):
                     continue  # no message: a bit turned over on its way
             rows = self.decoders[channel].decode(messages)
-            if len(rows) and (self.identity is None or channel == "ENCODER" and not (rows["run_identity"] == self.identity).any()):
-                if self.identity is not None:
-                    self.begin()
-                    self.moves.clear()
+            if len(rows) and (self.identity is None or channel == "ENCODER" and self._is_another(rows)):
+                self.forget()
                 self.identity = rows["run_identity"][-1]
             rows = rows[rows["run_identity"] == self.identity]
+            if channel == "ENCODER" and len(rows):
+                self.newest = int(rows["simulated_time"].max())
             if channel in OF_CONTROLLER and self.span is not None:  # a bit that turned over may be one of the time
                 time = rows["simulated_time"]
                 rows = rows[(time >= self.span[0] - LATE) & (time <= self.span[1] + LATE)]
@@ -197,6 +233,24 @@ class Incoming:
         for tap in self.taps if events else ():
             tap(events)
         return bool(waiting)
+
+    def forget(self):
+        """What comes next is of another run."""
+        if self.identity is not None:
+            self.begin()
+            self.moves.clear()
+            self.run, self.identity, self.newest = self.run + 1, None, None
+
+    def _is_another(self, rows):
+        own = rows["simulated_time"][rows["run_identity"] == self.identity]
+        return len(own) == 0 or self.newest is not None and int(own.max()) < self.newest - LATE
+
+    def of_this_run(self, events):
+        """Those that say that they are of the run that is followed."""
+        if self.identity is None:
+            return []
+        identity = int(self.identity).to_bytes(8, "big", signed=True)
+        return [(channel, data) for channel, data in events if data[IDENTITY] == identity]
 
 
 def growing_log(place):
@@ -226,13 +280,35 @@ class Growing:
     def __init__(self, path, name=None, receive=None):
         self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
         self.store = Store()
-        self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store)), None, b""
+        self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store), self.store.clear), None, b""
         self.facts_changed = None
 
+    def _newest(self):
+        """The log that was written last: of another run in the same folder than one that is complete, the unfinished one."""
+        paths = [path for path in (self.path, self.path.with_name(self.path.name + ".partial")) if path.is_file()]
+        return max(paths, key=lambda path: path.stat().st_mtime_ns, default=None)
+
     def _open(self):
-        for path in (self.path, self.path.with_name(self.path.name + ".partial")):
-            if self.file is None and path.is_file():
-                self.file = path.open("rb")
+        with contextlib.suppress(FileNotFoundError):  # just renamed: it is complete
+            newest = self._newest() if self.file is None else None
+            if newest is not None:
+                self.file = newest.open("rb")
+
+    def _follow_another(self):
+        """Where another run has begun: its log is another file, or the same one from its beginning on."""
+        with contextlib.suppress(FileNotFoundError):
+            newest = self._newest()
+            if newest is None:
+                return
+            if not os.path.samestat(newest.stat(), os.fstat(self.file.fileno())):
+                self.file.close()
+                self.file = newest.open("rb")
+            elif newest.stat().st_size < self.file.tell():
+                self.file.seek(0)
+            else:
+                return
+            self.rest = b""
+            self.incoming.forget()
 
     def skip_what_is_there(self):
         """Only what is written from now on is taken."""
@@ -246,8 +322,10 @@ class Growing:
         if self.file is None:
             return False
         self._read_facts()
-        data = self.rest + self.file.read(self.MOST_AT_ONCE)
-        events, self.rest = parse_events(data)
+        data = self.file.read(self.MOST_AT_ONCE)
+        if not data:
+            self._follow_another()
+        events, self.rest = parse_events(self.rest + data)
         return self.incoming.take(events)
 
     def _read_facts(self):

@@ -133,9 +133,13 @@ class SteeredRun:
             self._say(f"operator {stands[0]!r} {stands[1]:d} {stands[2]:d}")
 
     @property
+    def groups(self):
+        """How many motor groups the machine has; 0 where run.json is not there yet."""
+        return sum(effort["name"].startswith("motor") for effort in self.source.facts.get("machine", {}).get("efforts", []))
+
+    @property
     def choices(self):
-        groups = [effort for effort in self.source.facts.get("machine", {}).get("efforts", []) if effort["name"].startswith("motor")]
-        return fault_choices(len(groups))
+        return fault_choices(self.groups)
 
     def state(self):
         on = {fault["name"] for fault in self.faults if fault["until"] is None}
@@ -151,8 +155,8 @@ class SteeredRun:
         return self.source.facts.get("controller_command") == "slewlab-controller"
 
     def _compensates(self):
-        """Whether the play compensation acts; None where the controller has none."""
-        return next((each["on"] for each in reversed(self.compensation)), self.source.facts.get("play_compensation"))
+        """Whether the play compensation acts; None where the controller has none, or one motor group alone, which nothing holds against."""
+        return None if self.groups == 1 else next((each["on"] for each in reversed(self.compensation)), self.source.facts.get("play_compensation"))
 
     def _acts(self, name):
         """Whether an effect is on: as it was switched last, from the beginning on as the scenario has it."""

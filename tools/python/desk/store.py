@@ -6,12 +6,18 @@ hold yet of the newest samples comes from the finer ones. Memory is bounded: a l
 what it forgot is drawn from the next coarser one.
 """
 
+import bisect
+
 import numpy as np
 
 FACTOR = 8
 MOST_PER_PIXEL = 16
 CAPACITY = 1 << 18  # [items] of a level: four minutes at 1 kHz in level 0, half an hour in level 1
 LEVELS = 7
+HOLE = 5.0          # times the usual step between two samples, chosen: a longer step is a hole; up to four messages lost in a row are none
+FEWEST_STEPS = 8    # that make one usual
+LOOKED_BACK = 64    # [samples] of whose steps one is called usual, besides those that come
+MOST_HOLES = 1024   # that are kept of a channel, the newest ones
 
 
 class Level:
@@ -68,6 +74,7 @@ class Channel:
         self.names = list(names)
         self.levels = [Level(len(self.names), capacity, k > 0) for k in range(LEVELS)]
         self.told = np.zeros(len(self.names), bool)  # signals of which there was ever a number
+        self.holes = []  # (time before, time behind) [s], in their order
 
     @property
     def last_time(self):
@@ -82,7 +89,25 @@ class Channel:
             part = np.asarray(values[:, first:first + step], np.float32)
             if not self.told.all():
                 self.told |= np.isfinite(part).any(1)
+            self._note_holes(piece)
             self._append(piece, part)
+
+    def _note_holes(self, time):
+        level = self.levels[0]
+        before = level.time[max(0, level.count - LOOKED_BACK):level.count]
+        steps = np.diff(np.concatenate((before, time)))
+        usual = steps[steps > 0]
+        if len(usual) < FEWEST_STEPS:
+            return
+        times = np.concatenate((before[-1:], time))
+        for place in np.flatnonzero(np.diff(times) > HOLE * np.median(usual)):
+            self.holes.append((float(times[place]), float(times[place + 1])))
+        del self.holes[:-MOST_HOLES]
+
+    def holes_within(self, first, last):
+        """Those that reach into a window."""
+        begin = bisect.bisect_right(self.holes, first, key=lambda hole: hole[1])
+        return self.holes[begin:bisect.bisect_left(self.holes, last, begin, key=lambda hole: hole[0])]
 
     def _append(self, time, values):
         self.levels[0].append(time, values, values)
@@ -125,14 +150,20 @@ class Channel:
             high[:, place[begins]] = np.fmax.reduceat(highs, begins, 1)
         return low, high
 
-    def at(self, time):
-        """The newest values at a time, by signal; None before the first."""
+    def range_at(self, time):
+        """The newest values at a time, by signal: (lowest, highest) of the finest item that is still held, twice the same of a sample. None
+        before the first."""
         for level in self.levels:
             place = level.find(time, "right") - 1
             if level.count and place >= level.begin:
                 _, low, high = level.part(place, place + 1)
-                return 0.5 * (low[:, 0].astype(float) + high[:, 0])
+                return low[:, 0].astype(float), high[:, 0].astype(float)
         return None
+
+    def at(self, time):
+        """The newest values at a time, by signal; None before the first."""
+        found = self.range_at(time)
+        return None if found is None else 0.5 * (found[0] + found[1])
 
     def between(self, time):
         """The same, on the straight line between the samples before and behind."""
@@ -203,6 +234,17 @@ class Store:
         channel = self.channels[name]
         values = channel.between(time) if between else channel.at(time)
         return np.nan if values is None else float(values[row])
+
+    def ranges_at(self, signals, time):
+        """{signal: (lowest, highest)} at a time (Channel.range_at); each channel is looked at once."""
+        of_channel = {name: self.channels[name].range_at(time) for name in {self.places[signal][0] for signal in signals if signal in self.places}}
+        found = {}
+        for signal in signals:
+            name, row = self.places.get(signal, (None, 0))
+            if of_channel.get(name) is not None:
+                low, high = of_channel[name]
+                found[signal] = float(low[row]), float(high[row])
+        return found
 
     def envelopes(self, signals, first, last, bins):
         """{signal: (low, high)}; each channel is gone through once."""

@@ -3,6 +3,7 @@
 "use strict";
 
 const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
+const TICK_SPACING = 22;  // [px] at least, beside a chart: a fifth of its height, so that two numbers or more stand there
 const DECADES = [3, 1];  // of a spectrum that are shown below and above the decade of its peak; the modes' names stand above it
 const SPECTRUM_AXIS = [0.1, 100];  // [Hz]
 const MARK_SPACING = 12;  // [px] that the names of two modes need
@@ -16,6 +17,13 @@ function shown(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 0.001 || size >= 100000)) return value.toExponential(2);
   return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 4);
+}
+
+// A sample's value, or the lowest and the highest of a stretch of which no sample is held any more.
+function shownRange(range, scale) {
+  if (!range?.length) return shown(null);
+  const [low, high] = range.map((value) => value === null ? null : value * scale);
+  return low === high ? shown(low) : `${shown(low)} … ${shown(high)}`;
 }
 
 // Beside an axis, where there is room for some six signs.
@@ -66,15 +74,19 @@ class Chart {
     const axis = {stroke: () => colour("faint"), grid: {stroke: () => colour("grid"), width: 1}, ticks: {stroke: () => colour("line"), width: 1}, font: "11px system-ui, Arial, sans-serif"};
     const unitAlong = this.description.isSpectrum ? "Hz" : "s";
     const options = {
-      width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
+      width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, bind: {dblclick: () => null}, points: {show: false}, sync: {key: "desk"}},
       scales: {x: this.description.isSpectrum ? {distr: 3, range: SPECTRUM_AXIS} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : `${+tick.toPrecision(9)} ${unitAlong}`)},
-             {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
-      series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
-                                                 paths: line.held ? uPlot.paths.stepped({align: 1}) : undefined}))],
+             {...axis, size: 58, ...(this.description.isSpectrum ? {} : {space: TICK_SPACING}), values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
+      series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: this.description.isSpectrum, points: {show: false},
+                                                 // The step behind a hole is none of the signal's.
+                                                 ...(line.held ? {paths: uPlot.paths.stepped({align: 1}), gaps: (plot, i, from, to, gaps) => gaps.map(([begin, end]) => [begin, end + 2 * devicePixelRatio])} : {})}))],
       bands: this.lines.flatMap((line, i) => line.band ? [{series: [i, i + 1], fill: () => colour("band") + "22"}] : []),
       hooks: {draw: [(plot) => this.drawMarks(plot)], setSelect: [(plot) => this.selected(plot)],
-              ready: [(plot) => plot.over.addEventListener("click", (event) => this.clicked(plot, event))]},
+              ready: [(plot) => {
+                plot.over.addEventListener("click", (event) => this.clicked(plot, event));
+                plot.over.addEventListener("dblclick", () => this.hooks.unzoom?.());
+              }]},
     };
     this.plot = new uPlot(options, [[], ...this.lines.map(() => [])], this.place);
   }
@@ -134,18 +146,15 @@ class Chart {
     context.restore();
   }
 
-  // `found`: {key: Float32Array of (lowest, highest) by column}; the window has `bins` columns. `over`: the sources that end before `at`.
-  draw(times, found, from, to, at, bins, over) {
+  // `found`: {key: {columns: Float32Array of (lowest, highest) by column, value: at `at`, holes: [[begin, end] columns]}}. `over`: the
+  // sources that end before `at`. To uPlot undefined is a column without a sample, which a line crosses, and null one without messages.
+  draw(times, found, from, to, at, over) {
     const data = [times];
-    const column = Math.min(bins - 1, Math.max(0, Math.floor((at - from) / (to - from) * bins)));
     this.lines.forEach((line, i) => {
-      const raw = found[line.key], values = new Array(times.length).fill(null);
-      let last = null;
-      if (raw) {
-        for (let k = 0; k < values.length; ++k) if (raw[k] === raw[k]) values[k] = raw[k] * line.scale;
-        if (!over.has(line.key.split(":")[0])) for (let k = 2 * column + 1; k >= 0; --k) if (values[k] !== null) { last = values[k]; break; }
-      }
-      this.values[i].textContent = shown(last);
+      const {columns, value, holes} = found[line.key] ?? {}, values = new Array(times.length).fill(undefined);
+      if (columns) for (let k = 0; k < values.length; ++k) if (columns[k] === columns[k]) values[k] = columns[k] * line.scale;
+      for (const [begin, end] of holes ?? []) for (let k = 2 * begin; k < 2 * end; ++k) values[k] ??= null;
+      this.values[i].textContent = shownRange(over.has(line.key.split(":")[0]) ? null : value, line.scale);
       data.push(values);
     });
     this.cursor = at;

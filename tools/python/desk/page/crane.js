@@ -34,7 +34,7 @@ class CranePicture {
       if (lacks) {
         for (const view of [above, side]) {
           view.context.fillStyle = colour("faint");
-          view.context.fillText((number ? "second log: " : "") + lacks, 6, 14 + 16 * number);
+          this.write(view, (number ? "second log: " : "") + lacks, number ? (this.lacks(cranes[0]) ? 46 : 30) : 14);
         }
         return;
       }
@@ -47,6 +47,20 @@ class CranePicture {
       view.context.fillStyle = colour("faint");
       view.context.fillText(`deflection × ${factor}`, 6, 14);
     }
+  }
+
+  // Words from a height on, in as many lines as the picture's width takes.
+  write({context, width}, words, top) {
+    let line = "";
+    for (const word of words.split(" ")) {
+      const longer = line ? `${line} ${word}` : word;
+      if (line && context.measureText(longer).width > width - 12) {
+        context.fillText(line, 6, top);
+        top += 14;
+        line = word;
+      } else line = longer;
+    }
+    context.fillText(line, 6, top);
   }
 
   // What a picture of the crane needs and the log does not tell.

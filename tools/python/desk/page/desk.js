@@ -117,7 +117,9 @@ class Desk {
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
     const ended = sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
       .map((source) => `${source.name}: ${source.facts.end === "under way" ? "this run was broken off" : source.facts.end}`);
-    if (ended.length || remarks.length) this.notice([...ended, ...remarks].join(" · "));
+    const ofLogs = [...ended, ...remarks].join(" · ");
+    if (ofLogs || this.ofLogs) this.notice(ofLogs);  // of another run in the same folder no more what was said of the one before
+    this.ofLogs = ofLogs;
     if (!before && layout.live) this.follow(true);
     if (!before && !layout.live) this.at = first.first ?? 0;
     this.range();
@@ -173,7 +175,8 @@ class Desk {
   }
 
   addChart(description, lines) {
-    const hooks = {seek: (time) => { this.follow(false); this.seek(time); }, zoom: (from, to) => { this.follow(false); this.window = [from, to]; this.ask(); }};
+    const hooks = {seek: (time) => { this.follow(false); this.seek(time); }, zoom: (from, to) => { this.follow(false); this.window = [from, to]; this.ask(); },
+                   unzoom: () => { this.window = null; this.ask(); }};
     this.charts.push(new Chart(by("charts"), description, lines, hooks));
   }
 
@@ -264,7 +267,10 @@ class Desk {
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
     const values = new Float32Array(buffer, 4 + length), size = 2 * header.bins, found = {};
     let place = 0;
-    header.signals.forEach((names, source) => names.forEach((name) => { found[`${source}:${name}`] = values.subarray(place, place + size); place += size; }));
+    header.signals.forEach((names, source) => names.forEach((name, i) => {
+      found[`${source}:${name}`] = {columns: values.subarray(place, place + size), value: header.values[source][i], holes: header.holes[source][i]};
+      place += size;
+    }));
     this.layout.sources.forEach((source, number) => { source.first = header.sources[number].first; source.last = header.sources[number].last; });
     this.range();
     if (this.following) this.at = header.at;
@@ -287,7 +293,7 @@ class Desk {
     const times = new Float64Array(2 * header.bins), step = (header.to - header.from) / header.bins;
     for (let k = 0; k < header.bins; ++k) times[2 * k] = times[2 * k + 1] = header.from + (k + 0.5) * step;
     const over = new Set(header.sources.flatMap((source, number) => source.ended === null ? [] : [String(number)]));
-    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins, over);
+    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, over);
     this.showState(header);
     by("scrub").value = header.at;
     by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
@@ -312,11 +318,14 @@ class Desk {
     place.hidden = !gap;
     if (!gap) return;
     const open = gap.signals.filter((signal) => signal.open);
-    const size = (signal) => `${signal.label} ${shown(signal.size)}${signal.signal.includes("torque") ? " N m" : " m/s²"} (usual ${shown(signal.usual)})`;
-    const rated = gap.signals.filter((signal) => signal.signal.includes("torque"));
+    const usual = (signal) => signal.usual === null ? "" : ` (usual ${shown(signal.usual)})`;
+    const size = (signal) => `${signal.label} ${shown(signal.size)} ${signal.unit}${usual(signal)}`;
+    const sizes = gap.signals.filter((signal) => signal.is_effort && signal.size !== null).map(size).join(", ");
     let text = gap.problem ? `Gap to the nominal machine: ${gap.problem}.`
       : open.length ? `A gap has opened at ${gap.since.toFixed(1)} s: ${open.map(size).join(", ")}.`
-      : gap.signals.length ? `No gap beyond the usual: ${rated.map(size).join(", ")}.` : "The observer has said nothing yet.";
+      : !gap.signals.length ? "The observer has said nothing yet."
+      : gap.usual_from !== null ? `Not known yet whether there is a gap: what size is usual is known from about ${gap.usual_from.toFixed(0)} s on${sizes ? `; now ${sizes}` : ""}.`
+      : `No gap beyond the usual: ${sizes}.`;
     if (gap.remark) text += ` ${gap.remark}.`;
     if (diagnosis && diagnosis.state !== "ready") text += ` Diagnosis ${diagnosis.state}, ${diagnosis.folder}: ${diagnosis.words.join(" · ")}`;
     if (text !== this.gapText) { this.gapText = text; place.lastElementChild.textContent = text; }

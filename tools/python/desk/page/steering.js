@@ -28,7 +28,12 @@ class Steering {
       this.lever.addEventListener(kind, (event) => { if (event.pointerId === this.pointer) { this.pointer = null; this.set(0); } });
     }
     by("take").addEventListener("click", () => this.send({type: this.mine ? "give" : "take"}));
-    by("stop").addEventListener("click", () => this.stop(!this.stopPressed));
+    // A second finger, while the first holds the lever, makes no click: it counts where it comes down. A click counts where no pointer
+    // made it (detail 0): by a key, or a screen reader.
+    const stop = by("stop"), turn = () => { if (!stop.disabled) this.stop(!this.stopPressed); };
+    stop.addEventListener("pointerdown", (event) => { if (event.button === 0) turn(); });
+    stop.addEventListener("click", (event) => { if (event.detail === 0) turn(); });
+    stop.addEventListener("keydown", (event) => { if (event.key === "Enter" && event.repeat) event.preventDefault(); });  // a key that is held
     const acknowledge = by("acknowledge");
     acknowledge.addEventListener("pointerdown", () => this.acknowledge(true));
     for (const kind of ["pointerup", "pointerleave", "pointercancel"]) acknowledge.addEventListener(kind, () => this.acknowledge(false));
