@@ -122,20 +122,25 @@ def table(runs):
     return rows
 
 
+def gaps_of(*places):
+    """Of what is drawn of several (run, channel): where messages of any of them are missing."""
+    return sorted(gap for run, channel in places for gap in run.overview.gaps[channel])
+
+
 def panels(runs):
     """The rows of the picture: position, speed, torque, what the transmission carries, and the differences."""
     def with_record(signal, draw):
         def drawn(run):
             record = record_of(run, runs)
-            traces = [line(*draw(record), "record", GREY, width=2.2)] if record else []
+            traces = [line(*draw(record), "record", GREY, width=2.2, gaps=record.overview.gaps["ENCODER"])] if record else []
             name = "simulated" if record else signal
-            return traces + [line(*draw(run), name, GROUP_COLOURS[0])]
+            return traces + [line(*draw(run), name, GROUP_COLOURS[0], gaps=run.overview.gaps["ENCODER"])]
         return drawn
 
     def position(run):
         traces = with_record("motor encoder", lambda r: motion(r)[:2])(run)
         load = load_position(run)
-        return traces + ([line(*load, "load encoder", GREEN, "5px,2px")] if load else [])
+        return traces + ([line(*load, "load encoder", GREEN, "5px,2px", gaps=run.overview.gaps["SENSORS"])] if load else [])
 
     def speed(run):
         traces = with_record("motor encoder", lambda r: (motion(r)[0], motion(r)[2]))(run)
@@ -146,20 +151,20 @@ def panels(runs):
                                line_shape="hv"))
         if run.log.has("CONTROLLER_STATE"):
             state = run.log.channel("CONTROLLER_STATE")
-            traces.append(line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
+            traces.append(line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash", gaps=run.overview.gaps["CONTROLLER_STATE"]))
         return traces
 
     def torque(run):
         if not run.log.has("TORQUE"):
             return []
         messages = run.log.channel("TORQUE")
-        return [line(seconds(messages), messages["motor_torque"][:, 0], "command", GROUP_COLOURS[1], line_shape="hv")]
+        return [line(seconds(messages), messages["motor_torque"][:, 0], "command", GROUP_COLOURS[1], gaps=run.overview.gaps["TORQUE"], line_shape="hv")]
 
     def carried(run):
         if machine_of(run)["is_rigid"] or not run.log.has("TRUTH"):
             return []
         truth = run.log.channel("TRUTH")
-        return [line(seconds(truth), truth["gearbox_torque"][:, 0], "transmission", GROUP_COLOURS[2])]
+        return [line(seconds(truth), truth["gearbox_torque"][:, 0], "transmission", GROUP_COLOURS[2], gaps=run.overview.gaps["TRUTH"])]
 
     def twist(run):
         load = load_position(run)
@@ -167,13 +172,15 @@ def panels(runs):
             return []
         time, angle, _ = motion(run)
         apart = np.interp(load[0], time, angle) - load[1]
-        return [line(load[0], apart - apart[0], "motor minus load", GROUP_COLOURS[3])]
+        return [line(load[0], apart - apart[0], "motor minus load", GROUP_COLOURS[3], gaps=gaps_of((run, "SENSORS"), (run, "ENCODER")))]
 
     def apart(signal):
         def drawn(run):
             record = record_of(run, runs)
             found = difference(run, record).get(signal) if record else None
-            return [line(*found, "simulated minus recorded", GROUP_COLOURS[4])] if found else []
+            if not found:
+                return []
+            return [line(*found, "simulated minus recorded", GROUP_COLOURS[4], gaps=gaps_of((run, "ENCODER"), (record, "ENCODER")))]
         return drawn
 
     first = machine_of(runs[0])

@@ -56,6 +56,12 @@ class DifferenceOverview:
         self.crossing_times = []  # a crossing is of one run
         self._known = {}
 
+    @property
+    def gaps(self):
+        """Of either: what is drawn through a gap of one run says nothing of their difference."""
+        first, second = (overview.gaps for overview in self._both)
+        return {channel: sorted(first[channel] + second[channel]) for channel in first}
+
     def measured(self, signal):
         return all(overview.measured(signal) for overview in self._both)
 

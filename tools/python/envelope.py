@@ -5,6 +5,7 @@ import numpy as np
 
 BINS = 2000         # [-] of a long series; a screen has hardly more columns
 MOST_POINTS = 8000  # [-] that are drawn of one series
+MISSED = 5          # [-] periods without a message that are a gap; as many as `slewlab import` draws no line through
 
 
 class Envelope:
@@ -59,6 +60,34 @@ class Envelope:
         there = np.isfinite(times)
         there[1:] &= ~((times[1:] == times[:-1]) & (values[1:] == values[:-1]))  # one sample that is two of the four
         return times[there], values[there]
+
+
+class Gaps:
+    """Of times [s] that come piece by piece: where none came for longer than MISSED mean periods, as (last before, first after). What is
+    shorter than a bin is not seen in a picture, and not kept."""
+
+    def __init__(self, first, last, count):
+        self.found, self.newest = [], None
+        self.least = max(MISSED * (last - first) / max(1, count - 1), (last - first) / BINS)
+
+    def add(self, time):
+        if self.newest is not None:
+            time = np.append(self.newest, time)
+        at = np.flatnonzero(np.diff(time) > self.least)
+        self.found += zip(time[at].tolist(), time[at + 1].tolist())
+        self.newest = time[-1]
+
+
+def broken(x, y, gaps):
+    """The series with nothing in its gaps, so that no line is drawn through them."""
+    if not gaps:
+        return x, y
+    x, y = np.asarray(x, float), np.array(y, float)
+    for before, after in gaps:
+        y[(x > before) & (x < after)] = np.nan
+    at = np.searchsorted(x, [after for _, after in gaps])
+    within = (at > 0) & (at < len(x))  # of a part of the log: what ends before it or begins behind it
+    return (np.insert(x, at[within], np.mean(gaps, axis=1)[within]), np.insert(y, at[within], np.nan))
 
 
 def thinned(x, y):

@@ -9,10 +9,13 @@ until the log is written.
 """
 
 import json
+import shutil
 import signal
 import sys
 from pathlib import Path
 
+import export
+import report
 from arguments import ArgumentParser, output_file
 from column_shelf import NoRoom, Shelf
 from import_grid import NANOSECONDS
@@ -23,7 +26,7 @@ from import_signals import convert
 from import_table import Rows, read_table
 from input_map import InputProblems, is_scalar
 from run_log import LogProblem
-from whole_file import growing
+from whole_file import growing, is_free
 
 
 def canonical(node):
@@ -33,6 +36,21 @@ def canonical(node):
     if node.kind == "sequence":
         return [canonical(item) for item in node.items]
     return {key: canonical(value) for key, _, _, value in node.entries if key not in ("source", "description")}
+
+
+def remove_what_was_made_of(log):
+    """What report and export wrote beside an older log of that name, as `slewlab run` takes it away (tools/commands/run_facts.cpp,
+    remove_earlier_run): none of it may be taken for the new log's. What others wrote stays."""
+    page = report.place_of(log)
+    if page.is_file() and page.stat().st_size and is_free(page, report.BEGINNING.encode()):
+        page.unlink()
+    for file_format in export.FORMATS:
+        exported = export.place_of(log, file_format)
+        if export.is_earlier_export(exported, file_format):
+            if exported.is_dir():
+                shutil.rmtree(exported)
+            else:
+                exported.unlink()
 
 
 def main(arguments=None):
@@ -56,6 +74,7 @@ def main(arguments=None):
             with growing(out) as partial:
                 counts = write_log(partial, grid, signals, ranges, configuration_hash(text), identity_of(options.file))
                 ranges.check_request(mapping, row)
+                remove_what_was_made_of(out)
     except InputProblems as problems:
         print(problems, file=sys.stderr)
         return 2

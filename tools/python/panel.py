@@ -3,7 +3,7 @@
 import numpy as np
 import plotly.graph_objects as go
 
-from envelope import thinned
+from envelope import broken, thinned
 
 # Colours that stay apart for colour-blind readers (Okabe and Ito's set).
 GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
@@ -24,8 +24,8 @@ class Panel:
         self.is_spectrum, self.phase = is_spectrum, phase
 
 
-def line(x, y, name, colour, dash=None, width=1.3, **more):
-    x, y = thinned(x, y)
+def line(x, y, name, colour, dash=None, width=1.3, gaps=(), **more):
+    x, y = broken(*thinned(x, y), gaps)
     return go.Scatter(x=slim(x), y=slim(y), name=name, mode="lines",
                       line=dict(color=colour, dash=dash, width=width), **more)
 

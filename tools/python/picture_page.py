@@ -54,6 +54,29 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const show = (place, buttons, {{series, views, palette, narrow}}) => {{
     let chosen = Object.keys(views)[0], drawn = "";
+    // Legends above their rows take more lines the narrower the window: what one of them lacks is added above its row.
+    const spread = (layout) => {{
+      const {{legend_rooms: rooms}} = layout.meta || {{}};
+      if (!rooms) return;
+      const margin = {{...layout.margin}}, inner = layout.height - margin.t - margin.b, number = (row) => row ? row + 1 : "";
+      const lacks = rooms.map((room, row) => {{
+        const legend = place.querySelector("g.legend" + number(row));
+        return legend ? Math.max(0, Math.ceil(legend.getBoundingClientRect().height) - room) : 0;
+      }});
+      margin.t += lacks[0];
+      const more = lacks.reduce((sum, lack) => sum + lack, 0) - lacks[0];
+      if (more + lacks[0] === 0) return;
+      const change = {{height: layout.height + more + lacks[0], margin}};
+      let moved = 0;
+      for (const row of rooms.keys()) {{
+        moved += row ? lacks[row] : 0;
+        const domain = layout["yaxis" + number(row)].domain.map((share) => 1 - (inner * (1 - share) + moved) / (inner + more));
+        change["yaxis" + number(row) + ".domain"] = domain;
+        change["legend" + number(row) + ".y"] = domain[1];
+      }}
+      place.style.minHeight = change.height + "px";
+      return Plotly.relayout(place, change);
+    }};
     const draw = () => {{
       const slim = place.clientWidth < narrow;
       const name = slim && views[chosen].instead ? views[chosen].instead : chosen;
@@ -64,8 +87,8 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
       let text = JSON.stringify({{traces: views[name].traces, layout: views[name][slim ? "narrow" : "wide"]}});
       if (isDark) for (const [light, other] of Object.entries(palette)) text = text.replaceAll(light, other);
       const {{traces, layout}} = JSON.parse(text);
-      // Where legends stand above the rows, the first run's stand for all.
-      if (slim) for (const trace of traces) if (trace.meta && trace.meta.run) trace.showlegend = false;
+      // Where legends stand above the rows, one run's entries stand for all that have the like.
+      if (slim) for (const trace of traces) if (trace.meta && trace.meta.is_told) trace.showlegend = false;
       // Of names of modes whose lines are nearer than a line of text, the first stays; the lines stay.
       const last = {{}};
       layout.annotations = (layout.annotations || []).filter((each) => {{
@@ -83,7 +106,8 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
         button.hidden = slim && !!views[button.value].instead;
       }}
       Plotly.react(place, traces.map((trace) => ({{...series[trace.series], ...trace}})), layout, {{responsive: true, displayModeBar: slim ? false : undefined}})
-        .then(() => {{ place.dataset.drawn = name; }});
+        .then(() => {{ if (what === drawn) return spread(layout); }})
+        .then(() => {{ if (what === drawn) place.dataset.drawn = name; }});
     }};
     for (const button of buttons) button.addEventListener("click", () => {{ chosen = button.value; draw(); }});
     dark.addEventListener("change", draw);

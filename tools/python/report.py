@@ -26,9 +26,12 @@ from run_numbers import early_end, read_run, shown_path, table, table_text
 from run_overview import phase_of
 from whole_file import growing, is_free
 
-ROW_HEIGHT = 205  # [px]
+ROW_HEIGHT = 205  # [px] at least
 GAP = 34          # [px] between rows
 NARROW_GAP = 74   # [px] where legends stand above their rows
+TIME_AXIS = 26    # [px] of the time axis' title above the spectra
+LEGEND_ENTRY, LEGEND_FRAME = 19, 10  # [px] of a legend in Plotly: an entry's height, and what is above the first and below the last
+MOST_GAPS = 3     # that a page names by their times
 DASHES = (("solid", "drawn through"), ("dot", "dotted"), ("dash", "dashed"), ("dashdot", "dash-dotted"))  # of runs over each other
 
 
@@ -43,11 +46,11 @@ def draw_speeds(run):
     if log.has("ENCODER"):
         for group in range(overview.entries("ENCODER", "shaft_speed")):
             time, speed = overview.drawn("ENCODER", "shaft_speed", group)
-            traces.append(line(time, speed / (ratio or 1.0), f"motors {group + 1}", GROUP_COLOURS[group]))
+            traces.append(line(time, speed / (ratio or 1.0), f"motors {group + 1}", GROUP_COLOURS[group], gaps=overview.gaps["ENCODER"]))
     if log.has("TRUTH") and ratio:
-        traces.append(line(*overview.drawn("TRUTH", "house_speed"), "house", GREEN))
+        traces.append(line(*overview.drawn("TRUTH", "house_speed"), "house", GREEN, gaps=overview.gaps["TRUTH"]))
     if log.has("CONTROLLER_STATE") and ratio:
-        traces.append(line(*overview.drawn("CONTROLLER_STATE", "ramped_speed"), "ramp", DARK, "dash"))
+        traces.append(line(*overview.drawn("CONTROLLER_STATE", "ramped_speed"), "ramp", DARK, "dash", gaps=overview.gaps["CONTROLLER_STATE"]))
     return traces
 
 
@@ -58,7 +61,7 @@ def draw_motor_torques(run):
     for group in range(run.overview.entries("TORQUE", "motor_torque")):
         time, torque = run.overview.drawn("TORQUE", "motor_torque", group)
         traces.append(line(time, torque * (100 / rated if rated else 1), f"group {group + 1}", GROUP_COLOURS[group],
-                           dash_of(group), line_shape="hv"))
+                           dash_of(group), gaps=run.overview.gaps["TORQUE"], line_shape="hv"))
     return traces
 
 
@@ -68,7 +71,7 @@ def draw_gearbox_torques(run):
     traces = []
     for group in range(run.overview.entries("TRUTH", "gearbox_torque")):
         time, torque = run.overview.drawn("TRUTH", "gearbox_torque", group)
-        traces.append(line(time, torque * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group], dash_of(group)))
+        traces.append(line(time, torque * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group], dash_of(group), gaps=run.overview.gaps["TRUTH"]))
     for group, times in enumerate(run.overview.crossing_times):
         if len(times) == 0:
             times = np.array([np.nan])  # keeps the legend the same for every run
@@ -84,7 +87,7 @@ def draw_acceleration(signal, name, colour):
     def draw(run):
         if not run.overview.measured(signal):
             return []
-        return [line(*run.overview.drawn("SENSORS", signal), name, colour, width=1.0)]
+        return [line(*run.overview.drawn("SENSORS", signal), name, colour, width=1.0, gaps=run.overview.gaps["SENSORS"])]
 
     return draw
 
@@ -95,7 +98,7 @@ def draw_load_angles(run):
     traces = []
     for field, name, colour, width in (("rope_angle", "rope: sidelead", PURPLE, 1.8), ("rod_angle", "load (rod)", DARK, 0.7)):
         time, angle = run.overview.drawn("TRUTH", field)
-        traces.append(line(time, np.degrees(angle), name, colour, width=width))
+        traces.append(line(time, np.degrees(angle), name, colour, width=width, gaps=run.overview.gaps["TRUTH"]))
     return traces
 
 
@@ -191,42 +194,34 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
     """The picture of columns of runs; the runs of one column are drawn over each other. `spectra`: the columns of the spectra's
     rows, where they are others."""
     time_rows = [r for r in range(len(rows)) if not rows[r].is_spectrum]
+    traces, entries = drawn(columns, rows, spectra)
     gap = NARROW_GAP if narrow else GAP
+    # A legend beside its row ends above the next one's. One that stands above its row is given its room by the page, which knows its width.
+    heights = [ROW_HEIGHT if narrow else max(ROW_HEIGHT, LEGEND_ENTRY * count + LEGEND_FRAME - gap) for count in entries]
     top, bottom = (66 if narrow else 46), 50
-    height = top + bottom + len(rows) * ROW_HEIGHT + (len(rows) - 1) * gap + 26
+    height = top + bottom + sum(heights) + (len(rows) - 1) * gap + TIME_AXIS
     inner = height - top - bottom
 
     def domain(row):
-        extra = 26 if rows[row].is_spectrum else 0  # room for the time axis' title above the spectra
-        upper = inner - row * (ROW_HEIGHT + gap) - extra
-        return [max(0.0, (upper - ROW_HEIGHT) / inner), upper / inner]
+        extra = TIME_AXIS if rows[row].is_spectrum else 0
+        upper = inner - sum(heights[:row]) - row * gap - extra
+        return [max(0.0, (upper - heights[row]) / inner), upper / inner]
 
     count = len(columns)
     column_gap = 0.035
     width = (1 - column_gap * (count - 1)) / count
 
-    fig = go.Figure()
+    fig = go.Figure(traces)
     layout = {}
+    end = max(run.overview.phases[-1][2] for of_times in columns for run in of_times)
     for column, of_times in enumerate(columns):
         left = column * (width + column_gap)
-        end = max(run.overview.phases[-1][2] for run in of_times)
         stops = sorted({run.overview.stop for run in of_times} - {None})
         for r, panel in enumerate(rows):
             number = r * count + column + 1
             suffix = "" if number == 1 else str(number)
             x_axis, y_axis = f"x{suffix}", f"y{suffix}"
             members = spectra[column] if panel.is_spectrum and spectra else of_times
-            for k, run in enumerate(members):
-                for trace in panel.draw(run):
-                    if len(members) > 1:
-                        trace.name = f"{letter(k)} {trace.name}"
-                        if trace.mode == "lines" and k:  # the first keeps what tells its groups apart
-                            trace.line.dash = DASHES[k % len(DASHES)][0]
-                        trace.meta = {"run": k}
-                    trace.update(xaxis=x_axis, yaxis=y_axis, legend=f"legend{r + 1}" if r else "legend",
-                                 legendgroup=f"{r}{trace.name}", showlegend=column == 0)
-                    fig.add_trace(trace)
-
             x = dict(anchor=y_axis, domain=[left, left + width], showgrid=True, gridcolor="#eeeeee", ticks="outside",
                      zeroline=False, linecolor="#888888", mirror=True)
             y = dict(anchor=x_axis, domain=domain(r), showgrid=True, gridcolor="#eeeeee", ticks="outside",
@@ -270,12 +265,39 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
                  else dict(x=1.008, xanchor="left", y=domain(r)[1], yanchor="top"))
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(font=dict(size=11), tracegroupgap=0, bgcolor="rgba(255,255,255,0)", **place)
     set_scales(fig, layout, rows, count)
+    if narrow:  # the room above each row: below the row before it stand its numbers, below the last one over time also their title
+        layout["meta"] = {"legend_rooms": [top if r == 0 else gap - 20 if panel.is_spectrum else gap for r, panel in enumerate(rows)]}
     # Left of a row: a title of two lines beside numbers like -0.0005.
     margin = dict(l=98, r=14, t=top, b=bottom) if narrow else dict(l=98, r=150, t=top, b=bottom)
     fig.update_layout(height=height, margin=margin, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
                       modebar=dict(bgcolor="rgba(0,0,0,0)", color="#999999", activecolor="#0072B2"),
                       font=dict(family="Helvetica, Arial, sans-serif", size=12, color="#222222"), hovermode="x", **layout)
     return fig
+
+
+def drawn(columns, rows, spectra):
+    """All traces, a column after the other, and of each row how many entries its legend has. A name stands in it once, whichever column
+    has it first."""
+    traces, named = [], [set() for _ in rows]
+    for column, of_times in enumerate(columns):
+        for r, panel in enumerate(rows):
+            number = r * len(columns) + column + 1
+            suffix = "" if number == 1 else str(number)
+            members, told = spectra[column] if panel.is_spectrum and spectra else of_times, set()
+            for k, run in enumerate(members):
+                for trace in panel.draw(run):
+                    if len(members) > 1:
+                        # Where there is no room for all, what an earlier run's entry says by its colour is left out.
+                        trace.meta = {"is_told": trace.name in told}
+                        told.add(trace.name)
+                        trace.name = f"{letter(k)} {trace.name}"
+                        if trace.mode == "lines" and k:  # the first keeps what tells its groups apart
+                            trace.line.dash = DASHES[k % len(DASHES)][0]
+                    trace.update(xaxis=f"x{suffix}", yaxis=f"y{suffix}", legend=f"legend{r + 1}" if r else "legend",
+                                 legendgroup=f"{r}{trace.name}", showlegend=trace.name not in named[r])
+                    named[r].add(trace.name)
+                    traces.append(trace)
+    return traces, [len(names) for names in named]
 
 
 def shown_frequencies(runs):
@@ -334,6 +356,7 @@ def set_scales(fig, layout, rows, columns):
             layout[f"yaxis{number if number > 1 else ''}"]["range"] = scale
 
 
+TITLE = "slewlab: "
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>
 <style>{style}body {{ max-width: {width}px; }}</style>
@@ -348,6 +371,9 @@ PAGE = """<!doctype html>
 """
 
 
+BEGINNING = PAGE[:PAGE.index("{title}")] + TITLE  # of every page
+
+
 def said_first(runs):
     """What to say before anything else: of runs that did not come to their end, and of logs that cannot show what a page is to show."""
     lines = [f"{early}. What follows is of the part that was logged." for early in map(early_end, runs) if early]
@@ -360,13 +386,34 @@ def said_first(runs):
     return lines
 
 
+def where_missing(run):
+    """Where the channels that are drawn have no messages: a line for those that are silent at the same time."""
+    channels_of = {}
+    for channel, gaps in run.overview.gaps.items():
+        longest = sorted(sorted(gaps, key=lambda gap: gap[0] - gap[1])[:MOST_GAPS])
+        said = [f"between {before:.7g} s and {after:.7g} s" for before, after in longest]
+        if len(gaps) > MOST_GAPS:
+            said.append(f"and in {counted(len(gaps) - MOST_GAPS, 'shorter gap')}")
+        if said:
+            channels_of.setdefault(", ".join(said), []).append(channel)
+    return [f"{', '.join(channels)}: no message {said}" for said, channels in channels_of.items()]
+
+
+def counted(count, what):
+    return f"{count} {what}" + ("" if count == 1 else "s")
+
+
+def remarks_of(run):
+    return run.log.remarks + where_missing(run)
+
+
 def page(runs, rows, first_lines=None):
     """The whole page as text; `first_lines` are those of said_first(), where they are known already."""
     first_lines = said_first(runs) if first_lines is None else first_lines
-    title = "slewlab: " + " against ".join(run.name for run in runs)
+    title = TITLE + " against ".join(run.name for run in runs)
     remarks = "".join(
         f"<p>{html.escape(text)}</p>"
-        for run in runs for text in [shown_path(run.log.path)] + [f"{run.name}: {remark}" for remark in run.log.remarks])
+        for run in runs for text in [shown_path(run.log.path)] + [f"{run.name}: {remark}" for remark in remarks_of(run)])
     return PAGE.format(
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
@@ -384,6 +431,12 @@ def page(runs, rows, first_lines=None):
 def lettered(texts):
     """As the picture names runs that are compared."""
     return [f"{letter(k)} {text}" for k, text in enumerate(texts)] if len(texts) > 1 else texts
+
+
+def place_of(log):
+    """Where the page of a log, or of a run's folder, goes that is given no other place."""
+    of_a_run = log.parent if log.name in ("run.lcmlog", "run.lcmlog.partial") else log
+    return of_a_run / "report.html" if of_a_run.is_dir() else log.with_suffix(".html")
 
 
 def write_whole(path, text):
@@ -408,9 +461,8 @@ def draw(options):
         runs = [read_run(folder) for folder in options.run]
         axis_report.share_machine(runs)
         first = Path(options.run[0])
-        of_a_run = first.parent if first.name in ("run.lcmlog", "run.lcmlog.partial") else first
-        out = out or (of_a_run / "report.html" if of_a_run.is_dir() else first.with_suffix(".html"))
-        if not is_free(out, PAGE[:15].encode()):
+        out = out or place_of(first)
+        if not is_free(out, BEGINNING.encode()):
             raise LogProblem(f"{out}: is there already and is no earlier page; name another with --out")
         of_axes = all(axis_report.is_axis(run) for run in runs)
         rows = axis_report.table(runs) if of_axes else table(runs)
@@ -426,7 +478,7 @@ def draw(options):
         for line in first_lines:
             print(line)
         for run in runs:
-            for remark in run.log.remarks:
+            for remark in remarks_of(run):
                 print(f"{run.name}: {remark}")
         print(table_text(headings(runs), rows))
         for run in runs:

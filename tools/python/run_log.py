@@ -117,7 +117,7 @@ def read_run_log(path):
     return RunLog(path)
 
 
-# What a later run in a run's folder takes away (tools/commands/run_command.cpp, remove_earlier_run): a picture or an export under another
+# What a later run in a run's folder takes away (tools/commands/run_facts.cpp, remove_earlier_run): a picture or an export under another
 # name would stay beside that run's log and be taken for its own.
 OF_A_RUN = ("report.html", "run.html", "run.mcap", "run_parquet", "run_csv")
 

@@ -5,7 +5,7 @@ import collections
 
 import numpy as np
 
-from envelope import Envelope
+from envelope import Envelope, Gaps
 from run_log import seconds
 from spectrum import Spectrum
 
@@ -102,6 +102,11 @@ class Overview:
     def entries(self, channel, field):
         return len(self._envelopes[channel, field])
 
+    @property
+    def gaps(self):
+        """{channel: [(last time before, first time after) [s]]} where messages are missing; OPERATOR speaks when it has something to say."""
+        return {channel: self._gaps[channel].found if channel in self._gaps else [] for channel in DRAWN}
+
     def _stop_time(self):
         """[s] when the operator pressed the emergency stop; None where that never happened."""
         stop = None
@@ -138,11 +143,13 @@ class Overview:
         return periods, counts
 
     def _go_through(self):
-        self._envelopes, handlers = {}, {}
+        self._envelopes, self._gaps, handlers = {}, {}, {}
         for channel, fields in DRAWN.items():
             if not self.log.has(channel):
                 continue
             table = self.log.tables[channel]
+            if channel != "OPERATOR":
+                self._gaps[channel] = Gaps(table.first, table.last, table.rows)
             for field, value in fields.items():
                 shape = () if value else table.dtype[field].shape
                 self._envelopes[channel, field] = [Envelope(table.first, table.last, table.rows)
@@ -161,6 +168,8 @@ class Overview:
         for stretch in self.log.stretches(*DRAWN):
             for channel, messages in stretch.items():
                 time = seconds(messages)
+                if channel in self._gaps:
+                    self._gaps[channel].add(time)
                 for field, value in DRAWN[channel].items():
                     values = value(messages) if value else messages[field]
                     for entry, envelope in enumerate(self._envelopes[channel, field]):

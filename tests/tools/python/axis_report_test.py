@@ -4,18 +4,23 @@ import base64
 import contextlib
 import io
 import json
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet
+from google.protobuf import descriptor_pb2
+from mcap.reader import make_reader
 
 import axis_report
 import export
 import made_run
 import report
 from picture_page import unpacked
+from run_log import REPOSITORY, slewlab_program
 from run_numbers import read_run
 
 RATIO = 50.0
@@ -146,6 +151,91 @@ class AxisReportTest(unittest.TestCase):
         sensors = pd.read_parquet(folder / "SENSORS.parquet")
         self.assertEqual(list(sensors.columns[-1:]), ["load_position [rad]"])
         self.assertNotIn("tip_acceleration", sensors.columns)
+
+    def test_where_messages_are_missing_there_is_a_gap(self):
+        made_run.write_log(self.record, [event for event in events(RECORD, 0.0) if not 400_000_000 < event[1] < 1_000_000_000])
+        said = self.report(self.simulated, self.record)
+        self.assertIn("record: ENCODER, TORQUE, SENSORS, TRUTH: no message between 0.4 s and 1 s\n", said)
+        told = json.loads(unpacked((self.folder / "page.html").read_text()))[0]
+        traces = {}
+        for trace in told["views"]["side by side"]["traces"]:
+            drawn = told["series"][trace["series"]]
+            traces.setdefault(trace["name"], np.frombuffer(base64.b64decode(drawn["y"]["bdata"]), "f4"))
+        for name, is_gap in (("record", True), ("simulated", False), ("simulated minus recorded", True)):
+            self.assertEqual(bool(np.isnan(traces[name]).any()), is_gap, name)
+
+    def test_exports_of_a_linear_axis_have_its_units(self):
+        """Of a linear motor, and of a motor that turns a screw: [rad], [rad/s] and [N m] at its shaft."""
+        states = []
+        for channel, time, message in events(SIMULATED, 0.01):
+            if channel == "ENCODER":
+                state = made_run.types.controller_state_t()
+                state.sequence, state.simulated_time, state.configuration_hash = message.sequence, time, SIMULATED
+                state.group_count, state.proportional_torque, state.integral_torque = 1, [0.0], [0.0]
+                states.append(("CONTROLLER_STATE", time, state))
+        made_run.write_log(self.simulated / "run.lcmlog", sorted(events(SIMULATED, 0.01) + states, key=lambda event: event[1]))
+        on_axis = {"TRUTH": {"gearbox_torque": "N", "gear_deflection": "m", "house_speed": "m/s", "mechanical_energy": "J"},
+                   "CONTROLLER_STATE": {"ramped_speed": "m/s"}, "SENSORS": {"slew_angle": "m", "tip_acceleration": "m/s^2"}}
+        for place, speed, effort, name in (("m", "m/s", "N", "motor force"), ("rad", "rad/s", "N m", "motor torque")):
+            linear = facts()
+            linear["machine"] |= {"position_unit": "m", "speed_unit": "m/s",
+                                  "efforts": [{"name": name, "unit": effort}, {"name": "force on the axis", "unit": "N"}]}
+            for sensor, unit in zip(linear["machine"]["sensors"], (speed, place, "m")):
+                sensor["unit"] = unit
+            (self.simulated / "run.json").write_text(json.dumps(linear))
+            for file_format in export.FORMATS:
+                with contextlib.redirect_stdout(io.StringIO()):
+                    self.assertEqual(export.main([str(self.simulated), "--format", file_format]), 0)
+            expected = {channel: dict(fields) for channel, fields in on_axis.items()}
+            expected |= {"ENCODER": {"shaft_speed": speed, "shaft_position": place, "sequence": "-"}, "TORQUE": {"motor_torque": effort}}
+            expected["CONTROLLER_STATE"] |= {"average_torque": effort, "offset_torque": effort, "proportional_torque": effort,
+                                             "integral_torque": effort}
+            with self.subTest(motor=name):
+                self.check_units_of_mcap(expected)
+                self.check_units_of_tables(expected, f"{name.replace(' ', '_')} [{effort}]")
+
+    def check_units_of_mcap(self, expected):
+        with open(self.simulated / "run.mcap", "rb") as stream:
+            summary = make_reader(stream).get_summary()
+        for channel in summary.channels.values():
+            (file,) = descriptor_pb2.FileDescriptorSet.FromString(summary.schemas[channel.schema_id].data).file
+            comments = {file.message_type[0].field[place.path[-1]].name: place.trailing_comments for place in file.source_code_info.location}
+            for field, unit in expected[channel.topic].items():
+                self.assertEqual((channel.metadata[field], comments[field]), (unit, f" [{unit}]\n"), (channel.topic, field))
+
+    def check_units_of_tables(self, expected, torque):
+        axis_names = {"shaft_speed": "motor_speed", "shaft_position": "motor_position", "slew_angle": "load_position"}
+        for channel, fields in expected.items():
+            schema = pyarrow.parquet.read_schema(self.simulated / "run_parquet" / f"{channel}.parquet")
+            heads = list(pd.read_csv(self.simulated / "run_csv" / f"{channel}.csv", nrows=0))
+            for field, unit in fields.items():
+                if field == "tip_acceleration":  # an axis has none
+                    continue
+                said = f"{axis_names.get(field, field)} [{unit}]"
+                (column,) = [name for name in schema.names
+                             if name in (field, f"{field}_1", said) or (field == "motor_torque" and name == torque)]
+                self.assertEqual(schema.field(column).metadata[b"unit"].decode(), unit, column)
+                self.assertIn(column if unit == "-" or column.endswith("]") else f"{column} [{unit}]", heads)
+
+    def test_a_second_simulation_leaves_nothing_that_was_made_of_the_first(self):
+        out = self.folder / "out"
+
+        def simulate():
+            ended = subprocess.run([slewlab_program(), "simulate", REPOSITORY / "config" / "axes" / "example_axis.yaml", self.record, "--out", out],
+                                   stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+
+        simulate()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(report.main([str(out), "--quiet"]), 0)
+            for file_format in export.FORMATS:
+                self.assertEqual(export.main([str(out), "--format", file_format]), 0)
+        (out / "notes").mkdir()
+        made = {"run.json", "run.lcmlog", "notes"}
+        self.assertEqual({path.name for path in out.iterdir()}, made | {"report.html", "run.mcap", "run_csv", "run_parquet"})
+        (out / "run_csv" / "notes.txt").write_text("mine")  # such a folder stays
+        simulate()
+        self.assertEqual({path.name for path in out.iterdir()}, made | {"run_csv"})
 
     def test_a_crane_stays_a_crane(self):
         crane = made_run.write_run(self.folder / "crane")

@@ -6,10 +6,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import mcap.writer
 import numpy as np
 import pandas as pd
 
+import export
 import import_data
+import report
 from run_log import read_run_log, seconds
 
 RATIO = 2735.58
@@ -384,6 +387,40 @@ motor_torque: {column: f, unit: N m, on: axis}
         self.refused(None, "not readable as parquet", suffix="parquet", write=lambda f: f.write_text("no"))
         self.refused(None, "expected well-formed YAML", text="kind: [", write=lambda f: f.write_text("t\n1\n"))
         self.refused(None, "which data.csv does not have", write=lambda f: f.write_text(""))
+
+    def test_what_was_made_of_an_older_log_goes_with_it_and_what_others_wrote_stays(self):
+        def make(program, *words):
+            with contextlib.redirect_stdout(io.StringIO()):
+                self.assertEqual(program.main([str(self.out), *words]), 0)
+
+        def there():
+            return sorted(path.name for path in self.folder.iterdir() if path.name not in ("a.lcmlog", "data.csv", "map.yaml"))
+
+        self.assertEqual(self.call(table())[0], 0)
+        make(report, "--quiet")
+        for file_format in export.FORMATS:
+            make(export, "--format", file_format)
+        self.assertEqual(there(), ["a.html", "a.mcap", "a_csv", "a_parquet"])
+        self.assertNotEqual(self.call(table().drop(columns="t"))[0], 0)  # nothing new came, so nothing goes
+        self.assertEqual(there(), ["a.html", "a.mcap", "a_csv", "a_parquet"])
+        self.assertEqual(self.call(table(rows=401))[0], 0)
+        self.assertEqual(there(), [])
+
+        (self.folder / "a.html").write_text("<!doctype html>\n<title>the site's own page</title>")
+        with open(self.folder / "a.mcap", "wb") as stream:  # the site's own recording
+            writer = mcap.writer.Writer(stream)
+            writer.start(profile="ros2", library="a recorder")
+            writer.finish()
+        for folder, name in (("a_csv", "monday.csv"), ("a_parquet", "notes.txt")):
+            (self.folder / folder).mkdir()
+            (self.folder / folder / name).write_text("mine")
+        self.assertEqual(self.call(table())[0], 0)
+        self.assertEqual(there(), ["a.html", "a.mcap", "a_csv", "a_parquet"])
+        self.assertEqual((self.folder / "a_csv" / "monday.csv").read_text(), "mine")
+        with contextlib.redirect_stderr(io.StringIO()):  # and no page, no export takes its place
+            self.assertEqual(report.main([str(self.out)]), 2)
+            for file_format in export.FORMATS:
+                self.assertEqual(export.main([str(self.out), "--format", file_format]), 2, file_format)
 
     def test_an_older_log_survives_a_failure(self):
         self.out.write_bytes(b"older")

@@ -12,7 +12,7 @@ import pyarrow.parquet
 
 import made_run
 import report
-from envelope import BINS, MOST_POINTS, Envelope, thinned
+from envelope import BINS, MOST_POINTS, Envelope, Gaps, broken, thinned
 from event_rows import event_type, fill_heads
 from run_log import RunLog
 from run_numbers import numbers, read_run
@@ -112,6 +112,20 @@ class EnvelopeTest(unittest.TestCase):
         x = np.linspace(0.0, 1.0, MOST_POINTS)
         for drawn, given in zip(thinned(x, x**2), (x, x**2)):
             np.testing.assert_array_equal(drawn, given)
+
+    def test_a_gap_of_a_long_series_is_found_however_it_is_cut_and_no_line_is_drawn_through_it(self):
+        x = np.delete(np.arange(100_000) * 1e-3, np.r_[20_000:50_000, 70_000:70_004])  # 30 s; and 4 messages, which are no gap
+        for pieces in (1, 313):
+            gaps = Gaps(x[0], x[-1], len(x))
+            for part in np.array_split(x, pieces):
+                gaps.add(part)
+            self.assertEqual(gaps.found, [(19.999, 50.0)])
+        time, values = broken(*thinned(x, np.sin(x)), gaps.found)
+        (at,) = np.flatnonzero(np.isnan(values))
+        np.testing.assert_array_equal(time[at - 1:at + 2], [19.999, 0.5 * (19.999 + 50.0), 50.0])
+        # Of a part of the series, whose gap lies outside.
+        for part in (x < 10.0, x > 60.0):
+            np.testing.assert_array_equal(broken(x[part], np.sin(x[part]), gaps.found)[0], x[part])
 
     def test_first_lowest_highest_and_last_of_each_bin_stay_however_the_series_is_cut(self):
         draw = np.random.default_rng(1)

@@ -239,6 +239,32 @@ class ReportTest(unittest.TestCase):
         side, over = (told["views"][view]["traces"] for view in ("side by side", "over each other"))
         self.assertEqual({trace["series"] for trace in side}, {trace["series"] for trace in over})
 
+    def test_side_by_side_a_longer_run_is_shown_to_its_end(self):
+        made_run.write_run(self.folder / "short", events=[event for event in made_run.messages() if event[1] <= 6_000_000_000])
+        made_run.write_run(self.folder / "long")
+        told = self.views_of("short", "long")
+        for width in ("wide", "narrow"):
+            layout = told["views"]["side by side"][width]
+            ranges = [layout[name]["range"] for name in layout if name.startswith("xaxis") and layout[name].get("type") != "log"]
+            self.assertEqual(len(ranges), 2 * 6)
+            for begin, end in ranges:
+                self.assertEqual(begin, 0)
+                self.assertAlmostEqual(end, made_run.END, places=6)
+
+    def test_motor_groups_that_only_the_second_run_has_stand_in_every_legend(self):
+        made_run.write_run(self.folder / "two", events=self.with_a_ramp(made_run.messages(), 2))
+        made_run.write_run(self.folder / "four", events=self.with_a_ramp(made_run.messages(), 4))
+        told = self.views_of("two", "four")
+        names = [trace["name"] for trace in told["views"]["side by side"]["traces"] if trace["showlegend"]]
+        for name in ("motors 3", "group 4", "gearbox 3", "4 crosses its play", "request", "motors 1"):
+            self.assertEqual(names.count(name), 1, name)
+        with Browser() as browser:
+            page = browser.open((self.folder / "page.html").as_uri(), 420, 900)
+            page.until("document.getElementById('picture').dataset.drawn === 'over each other'")
+            shown = page.value("[...document.querySelectorAll('#picture .legend text')].map((e) => e.textContent)")
+        # What the first run's entry says by its colour is not said again.
+        self.assertEqual(shown, ["A request", "A motors 1", "A motors 2", "A house", "A ramp", "B motors 3", "B motors 4"])
+
     def test_the_difference_of_other_rates_is_taken_where_both_have_an_instant(self):
         made_run.write_run(self.folder / "a")
         half = made_run.messages()
@@ -248,6 +274,53 @@ class ReportTest(unittest.TestCase):
         self.assertAlmostEqual(float(time[0]), 4.0, places=6)
         self.assertAlmostEqual(float(time[-1]), 9.0, places=6)
         self.assertLess(np.max(np.abs(apart)), 0.002)  # a line through every other sample of 5.2 Hz: (w T)^2 / 8 of 0.12, with T = 10 ms
+
+    def with_a_gap(self, first, last, channels=("ENCODER", "TORQUE", "SENSORS", "TRUTH")):
+        """The run without what these channels say between the two times [s]."""
+        return [event for event in made_run.messages() if event[0] not in channels or not first * 1e9 < event[1] < last * 1e9]
+
+    def check_gap(self, series, first, last):
+        """The series has points to both sides of its gap, and between them nothing that a line is drawn through."""
+        time, values = series
+        inside = (time > first + 1e-3) & (time < last - 1e-3)
+        self.assertTrue(inside.any())
+        self.assertTrue(np.isnan(values[inside]).all())
+        known = time[np.isfinite(values)]
+        self.assertAlmostEqual(float(known[known <= first + 1e-3].max()), first, delta=1e-3)
+        self.assertAlmostEqual(float(known[known >= last - 1e-3].min()), last, delta=1e-3)
+        self.assertEqual(np.count_nonzero(~np.isfinite(values[~inside])), 0)
+
+    def test_where_messages_are_missing_there_is_a_gap_and_the_page_says_where(self):
+        folder = made_run.write_run(self.folder / "a", events=self.with_a_gap(6.0, 13.0))
+        code, out, err = self.call(folder)
+        self.assertEqual((code, err), (0, ""))
+        said = "a: ENCODER, TORQUE, SENSORS, TRUTH: no message between 6 s and 13 s"
+        self.assertIn(said, out)
+        self.assertIn(said, (folder / "report.html").read_text())
+        told = json.loads(unpacked((folder / "report.html").read_text()))[0]
+        for name in ("motors 1", "group 2", "gearbox 1", "house", "tip", "rope: sidelead"):
+            with self.subTest(name):
+                self.check_gap(self.points(told, "picture", name), 6.0, 13.0)
+
+    def test_a_gap_of_either_run_is_one_of_their_difference(self):
+        made_run.write_run(self.folder / "whole")
+        made_run.write_run(self.folder / "gap", events=self.with_a_gap(6.0, 13.0))
+        for names in (("whole", "gap"), ("gap", "whole")):
+            told = self.views_of(*names)
+            for name in ("motors 1", "group 2", "tip"):
+                with self.subTest(names=names, name=name):
+                    self.check_gap(self.points(told, "difference, A minus B", name), 6.0, 13.0)
+
+    def test_a_few_lost_messages_are_no_gap_and_of_many_gaps_the_longest_are_named(self):
+        lost = [event for event in made_run.messages() if event[0] != "SENSORS" or event[2].sequence % 100 not in (1, 2, 3, 4)]
+        folder = made_run.write_run(self.folder / "a", events=lost)  # 25 ms instead of 5 ms
+        _, out, _ = self.call(folder)
+        self.assertNotIn("no message between", out)
+        gaps = [(2.0, 2.1), (4.0, 5.0), (7.0, 9.0), (12.0, 12.2), (15.0, 18.0)]
+        for first, last in gaps:
+            lost = [event for event in lost if event[0] != "TRUTH" or not first * 1e9 < event[1] < last * 1e9]
+        _, out, _ = self.call(made_run.write_run(self.folder / "b", events=lost))
+        self.assertIn("b: TRUTH: no message between 4 s and 5 s, between 7 s and 9 s, between 15 s and 18 s, and in 2 shorter gaps\n", out)
 
     def test_a_page_is_small(self):
         made_run.write_run(self.folder / "a")
@@ -277,6 +350,55 @@ class ReportTest(unittest.TestCase):
                 self.assertGreater(contrast_of(page, "#picture .annotation:last-child .annotation-text"), 4.5)  # WCAG 2.2, 1.4.3; the modes' names are the faintest
                 self.assertEqual(page.complaints, [])
                 browser.close(page)
+
+    def with_a_ramp(self, events, groups=2):
+        """The same run with CONTROLLER_STATE, and of so many motor groups."""
+        made = []
+        for channel, time, message in events:
+            if hasattr(message, "group_count"):
+                message.group_count = groups
+                for name, dimensions in zip(message.__slots__, message.__dimensions__):
+                    if dimensions == ["group_count"]:
+                        setattr(message, name, [getattr(message, name)[group % 2] for group in range(groups)])
+            made.append((channel, time, message))
+            if channel == "TORQUE":
+                state = made_run.types.controller_state_t()
+                state.sequence, state.simulated_time, state.answered_sequence = message.sequence, time, message.sequence
+                state.configuration_hash, state.run_identity = message.configuration_hash, message.run_identity
+                state.group_count, state.proportional_torque, state.integral_torque = groups, [0.0] * groups, [0.0] * groups
+                made.append(("CONTROLLER_STATE", time, state))
+        return made
+
+    def test_legends_have_room_however_many_runs_and_motor_groups_are_shown(self):
+        for names, groups in (("abc", 2), ("de", 4)):
+            for name in names:
+                made_run.write_run(self.folder / name, events=self.with_a_ramp(made_run.messages(), groups))
+            self.views_of(*names)
+            with Browser() as browser:
+                for width in (1400, 800, 420, 360):
+                    page = browser.open((self.folder / "page.html").as_uri(), width, 900)
+                    page.until("document.getElementById('picture').dataset.drawn")
+                    for name in page.value("[...document.querySelectorAll('.views button')].filter((b) => !b.hidden).map((b) => b.value)"):
+                        page.value(f"document.querySelector('button[value=\"{name}\"]').click()")
+                        page.until(f"document.getElementById('picture').dataset.drawn === '{name}'")
+                        with self.subTest(runs=names, width=width, view=name):
+                            self.assertEqual(overlaps(page), [])
+                            self.assertEqual(self.covered_legends(page), [])
+                    self.assertEqual(page.complaints, [])
+                    browser.close(page)
+
+    def covered_legends(self, page):
+        """Legends that lie over another one, or over the frame of a row that they do not belong to or stand above."""
+        return page.value("""(() => { const found = [], picture = document.getElementById("picture");
+            const legends = [...picture.querySelectorAll("g[class^=legend]")].filter((e) => /^legend[0-9]*$/.test(e.getAttribute("class")));
+            const frames = [...picture.querySelectorAll(".cartesianlayer .plot, .bglayer .bg")].filter((e) => e.getBoundingClientRect().width > 0);
+            const boxes = [...legends, ...frames].map((e) => e.getBoundingClientRect());
+            for (let i = 0; i < legends.length; ++i) for (let k = i + 1; k < boxes.length; ++k) {
+              const a = boxes[i], b = boxes[k];
+              if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
+                found.push([i, k]);
+            }
+            return found; })()""")
 
     def test_the_finding_says_what_the_numbers_say(self):
         quiet = made_run.messages()
