@@ -76,8 +76,8 @@ struct ControllerOutput {
   PerGroup motor_torque{};  // [N m] per motor of each group
   bool enable = false;
   bool brake = false;
-  // The operator's acknowledgement, passed on to the drive with the joystick at zero alone: a drive that is enabled again while a speed is
-  // asked for would meet a speed controller that has wound up against the brakes.
+  // The operator's acknowledgement, passed on to the drive with the joystick at zero alone: behind a drive that is enabled again while a
+  // speed is asked for, the speed controller has wound up against the brakes.
   bool acknowledge = false;
   Mode mode = Mode::stopped;
   double ramped_speed = 0.0;    // [rad/s] on the slew axis

@@ -30,7 +30,7 @@ std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& ca
 //
 //   along = r' cos(a' - a) - r,    across / r = r' sin(a' - a) / r,
 //
-// so that a descent meets no curved valley where two arrows do nearly the same, and passes through none at all to the other side; elsewhere it is the difference of the coordinates, angles by the shorter way round.
+// so that a descent has no curved valley before it where two arrows do nearly the same, and passes through none at all to the other side; elsewhere it is the difference of the coordinates, angles by the shorter way round.
 std::vector<common::EffectInstance> effects_moved(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects, const Eigen::VectorXd& step);
 Eigen::VectorXd effects_step(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> from, std::span<const common::EffectInstance> to);
 

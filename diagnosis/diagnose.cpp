@@ -75,7 +75,7 @@ void add_up(const common::EffectCatalogue& known, Diagnosis& diagnosis) {
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {
     if (cause.effects.empty()) diagnosis.probability_nothing += cause.probability;
-    // Each of the names of one motion is as likely as the others.
+    // Each of the names of indistinguishable causes is as likely as the others.
     const double share = cause.probability / static_cast<double>(1 + cause.also.size());
     std::vector<std::vector<std::string>> names = cause.also;
     names.push_back(cause.effects);
@@ -361,7 +361,7 @@ bool are_rows_too_few(const sim::MachineSettings& nominal, const std::vector<Rec
          std::any_of(records.begin(), records.end(), [&](const Record& record) { return can_have_commands_between(record) && points_per_judged_point(record, highest) == 1; });
 }
 
-// Whether the first cause, or parameters alone, leave noise alone, and are no chance on the wire, which commands between the rows look like.
+// Whether the first cause, or parameters alone, leave noise alone, and are no stochastic effect of the wire, which commands between the rows look like.
 bool is_answered(const common::EffectCatalogue& catalogue, const Diagnosis& diagnosis) {
   if (diagnosis.is_unknown || diagnosis.causes.empty()) return false;
   const Cause& first = diagnosis.causes.front();

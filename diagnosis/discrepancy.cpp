@@ -425,7 +425,7 @@ std::vector<Discrepancy> SmoothTorques::of_residual(const Problem& problem, cons
   const Orthonormal at_rest(holding);
   Eigen::VectorXd gap = at_rest.without(project.gap(slow_difference));
   const double at_first = gap.squaredNorm();
-  const double forgiven = law_share * (fit.difference.squaredNorm() - static_cast<double>(fit.difference.size()));
+  const double allowed = law_share * (fit.difference.squaredNorm() - static_cast<double>(fit.difference.size()));
   const Orthonormal constant({at_rest.without(project(traced.front()(slow)))});
   gap = constant.without(gap);
   const double above_noise = std::max(at_first - count, std::numeric_limits<double>::min());
@@ -461,7 +461,7 @@ std::vector<Discrepancy> SmoothTorques::of_residual(const Problem& problem, cons
     found.push_back({all[q].name, all[q].unit, share(at_first, best->left), found.front().evidence + best->evidence, curves_of(all[q], of_best, *best, amount, rows.size() - 1)});
   }
   std::stable_sort(found.begin(), found.end(), [](const Discrepancy& a, const Discrepancy& b) { return a.evidence > b.evidence; });
-  if (at_first - least <= forgiven) return {};
+  if (at_first - least <= allowed) return {};
   return found;
 }
 

@@ -96,7 +96,7 @@ void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const Ev
     const auto alone = std::find_if(ranking.causes.begin(), ranking.causes.end(), [&](const Cause& other) { return std::is_permutation(other.effects.begin(), other.effects.end(), rest.begin(), rest.end()); });
     if (alone == ranking.causes.end() || cause.explained - alone->explained > evidence.unknown_share) continue;
     if (&cause == &ranking.causes.front()) {
-      remarks.push_back(fmt::format("{} explains {:.1f} % of the gap beside {}; the residual is as large where a law differs from that of the catalogue, so {} alone may be the cause", name_of(drawn),
+      remarks.push_back(fmt::format("{} adds {:.1f} % to the share of the gap explained on the fitted records, beside {}; the residual is as large where a law differs from that of the catalogue, so {} alone may be the cause", name_of(drawn),
                                     100.0 * (cause.explained - alone->explained), name_of(rest), name_of(rest)));
     }
     hand_on(kDoubtful, is_drawn, false, cause, ranking);

@@ -40,10 +40,10 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
 // cause is not sure, and the first of them is told in `remarks`.
 void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks);
 
-// Whether an effect loses or delays messages by chance.
+// Whether an effect is a stochastic loss or delay of messages.
 bool is_chance_on_the_wire(const common::EffectCatalogue& catalogue, const std::string& name);
 
-// Commands that came between a record's rows, of a controller that is faster than the recorder, do what commands do that are lost or late by chance. `may_hide_commands`: the records do not
+// Commands that came between a record's rows, of a controller that is faster than the recorder, do what stochastic loss or delay of commands does. `may_hide_commands`: the records do not
 // show the controller's cycle, and nobody gave it. Then none of these effects is sure, and the first of them is told in `remarks`.
 void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may_hide_commands, Ranking& ranking, std::vector<std::string>& remarks);
 

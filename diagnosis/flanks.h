@@ -28,7 +28,7 @@ struct FlankPart {
 // [Nm] mean of what a group misses more than the first one.
 double beside_the_first(const Shadow& shadow, const FlankPart& part);
 
-// Gives the whitening of a record its parts, `duration` [s] each, of what the nominal shadow has between grid points `from` and `to` where it is not `trusted`,
+// Gives the whitening of a record its parts, `duration` [s] each, of what the nominal observer has between grid points `from` and `to` where it is not `trusted`,
 // behind the record's beginning, of which nobody knows where in their play the gears stood. `play_torque` [Nm] is what holds a motor beside its flank by half of
 // the play; none without play, or with one group.
 void add_flanks(const Record& record, const Shadow& nominal, const std::vector<bool>& trusted, double duration, double play_torque, std::size_t from, std::size_t to,

@@ -3,7 +3,7 @@
 // Modes are stepped exactly whatever the step, held torques too. A force or a friction of an effect is held over each step at its value in the
 // middle, so its error falls with the square of the step: to next to nothing at the nominal machine's own, a thousandth of the characteristic time.
 // Steps that small cost the same time whatever the records' rate, and a drag needs none of them where a friction that changes every degree does; so
-// each effect gets as few as keep the misfit that they make of it, at its first start, below kStepShare of what the evidence forgives every law
+// each effect gets as few as keep the misfit that they make of it, at its first start, below kStepShare of what the evidence allows every law
 // (evidence.h), k + r G, G the gap that it makes.
 #pragma once
 

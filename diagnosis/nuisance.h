@@ -4,7 +4,7 @@
 //
 // A point's nuisance parameters, in standard deviations: the parameters; the encoders' latency; where commands came between the rows (hidden_commands.h), by how much they act ahead; of each record angle and rate of the load's
 // swing at its beginning, where the machine has a load; where each motor stands between its flanks then; and where some record begins in
-// motion, angle and rate of the load's rod, amounts and rates of the lowest modes of the boom, and for the effects that know of it (EffectAbout::swings_outwards)
+// motion, angle and rate of the load's rod, amplitudes and rates of the lowest modes of the boom, and for the effects that know of it (EffectAbout::swings_outwards)
 // angle and rate of the load's swing along the boom. Those of a record that begins at rest
 // change nothing. The encoders' noise goes through the controller into the torque, so a fit can
 // take some of it away by moving one against the other in time; free here, that favours no cause. A swing that is not free is taken for

@@ -32,7 +32,7 @@ void take_away(double share, bool is_nothing_left, Cause& cause, Ranking& rankin
 // none, as take_away() does. None gets any that was asked to predict and did not.
 void hand_on(double share, const std::function<bool(const std::string&)>& is_doubted, bool is_nothing_left, Cause& cause, Ranking& ranking);
 
-// Causes that are one motion become one, with the probability of all of them. `same_as` has the effects that move a machine as another one does, and which.
+// Indistinguishable causes become one, with the probability of all of them. `same_as` has the effects that move a machine as another one does, and which.
 void merge_same_motion(const std::map<std::string, std::string>& same_as, Ranking& ranking);
 
 // Coarse counts are seen in the positions themselves, to the count: they need no fit, and every cause gets them beside what it has.

@@ -113,7 +113,7 @@ class LaterReading {
 constexpr std::size_t kAhead = 64;
 using ReadAhead = std::array<std::array<double, kAhead>, sim::kMaximumGroupCount>;
 
-// From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
+// From what the observer's sensor says at every step to measured - observer, taken where the sensor was sampled and straight in between, as
 // the record is: what sampling takes away it takes from both.
 void sample_alike(const Record& record, std::size_t accelerometer, std::vector<double>& series) {
   std::vector<double> difference = record.sampled_acceleration[accelerometer];
@@ -539,7 +539,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       result.house_let_go[n] = moment.house_let_go;
       result.holding_torque[n] = moment.holding_torque;
       for (const std::size_t a : judged) {
-        // Where sensors are not sampled on the grid, at first what the shadow's would say.
+        // Where sensors are not sampled on the grid, at first what the observer's would say.
         const double sensed = moment.acceleration[a];
         result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed : sensed;
       }

@@ -25,7 +25,7 @@ constexpr double kNoPart = 1e-12;    // residual of a column beside another, as 
 constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: it explains differences along one axis only, the true one comes nearer
 constexpr std::size_t kBeside = 6;   // single fits beside which stochastic effects are tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best stochastic one
-constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
+constexpr double kWorthALook = 1.0;  // above the free power, before the effect is simulated
 constexpr double kLeastFall = 20.0;  // of the residual power, for which draws are made
 constexpr double kMuch = 1000.0;     // residual power of every other fit from which a second effect is looked for beside a stochastic one that is not near
 constexpr double kLeastSecondGain = 40.0;  // fall of the residual power, forecast, for which a second effect is fitted
@@ -75,7 +75,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
   }
   if (one.mean) means.push_back(one.fit.difference - here);
   const common::EffectAbout& about = problem.catalogue.at(one.effect.name);
-  // A power goes with its size only while that is small, so the size is bracketed until its own draws have the power that is asked for.
+  // A power goes with its size only while that is small, so the size is bracketed until simulations of the effect have the power that is asked for.
   double least = 0.0, most = std::numeric_limits<double>::infinity(), nearest = most;
   common::EffectInstance effect = one.effect;
   for (int round = 0; round < kLooks; ++round) {

@@ -1,4 +1,4 @@
-// Differences between record and shadow as one vector of numbers that are comparable with each other: the
+// Differences between record and observer as one vector of numbers that are comparable with each other: the
 // spectrum of each channel, divided at each frequency by what a good model may still miss there, and then freed of what the channels have in common.
 //
 //   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it, of which a hundredth at least is a channel's own
@@ -80,7 +80,7 @@ struct Whitening {
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `response`, of a transform of
 // transform_length(), turns the sensors' noise into the channels'. An encoder that stands makes no noise, so how much of it there is shows
-// in what the `nominal` shadow misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
+// in what the `nominal` observer misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings);
 
@@ -111,7 +111,7 @@ double log_stretch(const Whitening& whitening);
 std::size_t transform_length(std::size_t count);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
-// each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion, and behind
+// each stretch in which the observer's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion, and behind
 // one all that follows a moment in which no gear is in contact.
 std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings);
 

@@ -38,7 +38,7 @@ const ValidatedChoice& reference_of(const std::vector<ValidatedChoice>& candidat
 }
 
 // The model of all laws that are likelier there than not, which of all single models predicts best (Barbieri, Berger 2004, Annals of Statistics
-// 32, p. 870); the likeliest where that is no candidate, or one that is much less likely (of two laws that are one motion in these records each is
+// 32, p. 870); the likeliest where that is no candidate, or one that is much less likely (of two laws that are indistinguishable in these records each is
 // half likely). `known`: probability of all candidates together.
 std::size_t median_model(const std::vector<ValidatedChoice>& candidates, const std::vector<double>& probability, const std::vector<double>& inclusion, double known) {
   std::vector<int> likely;

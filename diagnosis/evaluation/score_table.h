@@ -2,8 +2,8 @@
 //
 // An effect counts as visible where it changes any signal that is recorded by more than 3 noise floors (make.h), as plain to see by more than 6. What
 // is scored of visible effects is also given for all of them. The first answer of a result is the most probable of its causes
-// and "outside the catalogue". An answer that declares causes as not to be told apart names them all: effects that are one motion for these
-// sensors are one answer.
+// and "outside the catalogue". An answer that declares causes as not to be told apart names them all: effects that are indistinguishable for
+// these sensors are one answer.
 //
 // - false alarms: gap said on "nothing" and "parameters".
 // - stated above 0.9 and wrong: of the first answers that are stated so and whose truth can be known (nothing, parameters, visible effects).

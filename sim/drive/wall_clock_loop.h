@@ -13,7 +13,7 @@
 // Of what comes on TORQUE within one period, the drive takes a few messages that are none and a thousand that are (those
 // of a controller that was stopped come all at once); the rest is counted and left out.
 //
-// Faults on purpose (fault_injector.h) act as in lockstep, but what is drawn meets whatever message comes.
+// Faults on purpose (fault_injector.h) act as in lockstep, but what is drawn acts on whatever message comes.
 //
 // The thread that runs it does no file I/O: the log goes to a function handed in (msgs/log_queue.h).
 

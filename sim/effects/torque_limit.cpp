@@ -55,7 +55,7 @@ const EffectDescription& torque_limit() {
                                 .prior_scale = 0.7,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::numeric_limits<double>::infinity(),
-                                // From 44 % to 92 % of the rated torque: what a slew may meet.
+                                // From 44 % to 92 % of the rated torque: what a slew may ask for.
                                 .tries = {0.44, 0.52, 0.7, 0.8, 0.92}},
                                {.name = "knee",
                                 .unit = common::Unit::none,

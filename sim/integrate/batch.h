@@ -11,7 +11,7 @@
 // that nobody reads.
 //
 // For the columns of a fit (one machine with small changes along the same record): a batch of the columns' models, all inputs but the
-// changed ones the same; set_state() once from the shared start, step_batch() and read_batch() at every step. What leads a shadow (torques
+// changed ones the same; set_state() once from the shared start, step_batch() and read_batch() at every step. What leads an observer (torques
 // on motors and house, force on the tip) is PortForces of each machine's input. state_of() gives what an effect of a machine asks for.
 //
 // step_batch() and read_batch() allocate nothing, lock nothing, throw nothing.

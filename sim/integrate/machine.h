@@ -79,7 +79,7 @@ struct Machine {
   CraneMotion motion;                   // hoisting, luffing, travelling
   int steps_per_boom_angle = 10;
   PortForces steady;                    // what the effects' forces are on a machine that stands, at the beginning
-  PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
+  PortForces outside;                   // from outside the model, held over each step: how an observer is led; zero otherwise
   double started_at = 0.0;              // [s] as the settings have it
   std::int64_t hooks_per_step = 0;
   std::int64_t effect_evaluations = 0;  // hooks called since the start

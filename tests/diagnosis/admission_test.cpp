@@ -621,7 +621,7 @@ TEST_F(Admission, AnAccelerometersOffsetIsNoGap) {
 }
 
 // Accelerometers at a rate and at instants of their own. Lines between their samples are damped and noiseless; they are compared with
-// a shadow that is sampled alike.
+// an observer that is sampled alike.
 TEST_F(Admission, SlowerSensorsAreNoGap) {
   std::vector<msgs::Sensors> slow;
   for (std::size_t n = 0; n + 1 < log_.sensors.size(); n += 10) {

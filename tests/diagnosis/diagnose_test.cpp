@@ -106,7 +106,7 @@ TEST(FitController, FindsAnEffectOfAControllerThatWasOnBefore) {
   }
 }
 
-// A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would make it unstable. With the delay
+// A delay of 40 ms in the observer's own feedback (its fastest pole is at 26 rad/s) would make it unstable. With the delay
 // taken out of the record, the residual is that of a machine without any delay.
 TEST(Shadow, FollowsEncodersThatReadLate) {
   sim::MachineSettings truth;
@@ -715,7 +715,7 @@ TEST(Diagnose, AnswersTheSameOnAnyNumberOfThreads) {
   }
 }
 
-// A torque that waits on the wire and one that waits in the drive are one motion, beside another effect as well.
+// A torque that waits on the wire and one that waits in the drive are indistinguishable, beside another effect as well.
 TEST(Diagnose, GivesOneMotionBesideAnotherEffectBothItsNames) {
   const Diagnosis found = diagnose_machine({{"gear_friction", {0.12, 0.001}}, {"dead_time", {0.012}}}, bench().controller, 23);
   ASSERT_FALSE(found.causes.empty());

@@ -177,7 +177,7 @@ TEST_F(Doubt, OfADrawBesideALaw) {
   EXPECT_GT(of(0), of(1));
   EXPECT_EQ(of(2), 0.0);
   ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_NE(remarks[0].find("b explains 4.0 % of the gap beside a"), std::string::npos) << remarks[0];
+  EXPECT_NE(remarks[0].find("b adds 4.0 % to the share of the gap explained on the fitted records, beside a"), std::string::npos) << remarks[0];
   EXPECT_FALSE(doubted(0.99 - 1.1 * evidence.unknown_share));
   EXPECT_TRUE(remarks.empty());
   ranking = {{cause_of({"b"}, 1.0)}, 0.0};

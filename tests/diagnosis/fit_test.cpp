@@ -26,7 +26,7 @@ TEST(Discount, WeightIsItsSlope) {
   }
 }
 
-TEST(Excess, IsWhatStandsAboveTheNoise) {
+TEST(ResidualPower, IsWhatStandsAboveTheNoise) {
   FitSettings settings;
   settings.independent_share = 0.5;
   EXPECT_NEAR(residual_power(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);

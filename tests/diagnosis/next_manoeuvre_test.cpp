@@ -60,7 +60,7 @@ TEST_F(NextManoeuvreTest, OfATorqueLimitGoesToFullSpeed) {
   EXPECT_GT(next.separation.noise_floors, kSeparated);
 }
 
-// What is one motion stays one motion, whatever is run.
+// Indistinguishable effects stay so, whatever is run.
 TEST_F(NextManoeuvreTest, OfOneMotionWithTwoNamesPromisesNothing) {
   const std::vector<Hypothesis> both{hypothesis("dead_time", 0.5, {{"dead_time", {0.02}}}), hypothesis("command_delay", 0.5, {{"command_delay", {0.02}}})};
   EXPECT_LT(next_manoeuvre(both, candidate_manoeuvres(2, 3), without_accelerometers).gain, 0.01);

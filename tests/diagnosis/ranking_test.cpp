@@ -15,7 +15,7 @@ Cause cause_of(std::vector<std::string> effects, double probability) {
   return cause;
 }
 
-// Two names of one motion, alone and beside a third effect; what has both names is another motion.
+// Two indistinguishable effects, alone and beside a third one; a cause that has both is another cause.
 TEST(Ranking, NamesOfOneMotionAreOneAnswer) {
   Ranking ranking{{cause_of({"early"}, 0.3), cause_of({"load", "early"}, 0.1), cause_of({"late"}, 0.3), cause_of({"late", "load"}, 0.1), cause_of({"early", "late"}, 0.05), cause_of({}, 0.05)}, 0.1};
   merge_same_motion({{"late", "early"}}, ranking);

@@ -21,7 +21,7 @@ TEST(CubicSlope, IsExactOnACubic) {
   EXPECT_NEAR(found[0], slope[0], 0.05);
 }
 
-// Late by nothing: the slope of a sine is a cosine in phase, a little small (the fit's next term, of fourth order).
+// Without delay: the slope of a sine is a cosine in phase, a little small (the fit's next term, of fourth order).
 TEST(CubicSlope, IsNotLate) {
   constexpr double kStep = 1e-3, kOmega = 2.0 * M_PI * 40.0;
   std::vector<double> values;

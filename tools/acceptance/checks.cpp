@@ -308,7 +308,7 @@ class Checks {
     result.limit = kPercent * *limits_.play_offset;
     result.unit = "% of T100";
     result.time = least->time;
-    result.reason = fmt::format("half 1 leads half 2 by {:.3g} % of T100 at least, {} {:.3g} %, at {:.2f} s{}",
+    result.reason = fmt::format("half the smallest torque difference between the two halves of the motor groups is {:.3g} % of T100 (rated motor torque), {} {:.3g} %, at {:.2f} s{}",
                                 result.measured, result.verdict == Verdict::pass ? "wanted" : "less than the wanted",
                                 result.limit, least->time, least->value < -*limits_.play_offset ? ": the halves are swapped" : "");
     add(result);

@@ -257,7 +257,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     }
   }
   if (found.outcome != AxisOutcome::not_identifiable) text += causes_text(found, words);
-  text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
+  text += fmt::format("\nValidation on {} (not fitted): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
                       words.inertia_name);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "torque balance", validation.nominal.balance, validation.inertia.balance,
                       validation.cause.balance, words.effort);

@@ -34,6 +34,6 @@ LoggedRuns logged_runs(const std::vector<std::filesystem::path>& logs);
 MeasuredRuns measured_runs(const std::vector<std::filesystem::path>& logs);
 
 // Said with the answer and not only in a note: what is lost may be where the gap was.
-inline constexpr const char* kOfADamagedLog = " (from what is left of a damaged log)";
+inline constexpr const char* kOfADamagedLog = " (from the readable part of a damaged log)";
 
 }  // namespace slewlab::tools

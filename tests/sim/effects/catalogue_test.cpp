@@ -7,6 +7,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <vector>
 
 #include "common/yaml_file.h"
 #include "sim/integrate/machine.h"
@@ -320,6 +321,25 @@ TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
       "effects:\n  - effect: load_mass\n    factor: {value: 1.1, unit: \"-\", source: a}\n"
       "  - effect: load_mass\n    factor: {value: 1.2, unit: \"-\", source: a}\n");
   EXPECT_NE(twice.find("once"), std::string::npos) << twice;
+}
+
+// docs/effects/README.md has a row for every effect, of its subsystem and with a link to its page.
+TEST(EffectCatalogue, EveryEffectHasItsRowInTheIndex) {
+  std::vector<std::filesystem::path> pages{std::filesystem::path(SLEWLAB_SOURCE_DIR) / "docs" / "effects"};
+#ifdef SLEWLAB_MORE_PAGES  // of the tutorial's effect
+  pages.emplace_back(SLEWLAB_MORE_PAGES);
+#endif
+  std::stringstream index;
+  for (const std::filesystem::path& folder : pages) {
+    std::ifstream file(folder / "README.md");
+    ASSERT_TRUE(file) << folder;
+    index << file.rdbuf();
+  }
+  for (const EffectDescription* effect : effect_catalogue()) {
+    const std::string name(effect->about.name);
+    const std::string row = "| " + std::string(common::name_of(effect->about.subsystem)) + " | [" + name + "](" + name + ".md) | ";
+    EXPECT_NE(index.str().find(row), std::string::npos) << row;
+  }
 }
 
 // docs/effects/NAME.md states what the code has: one table row per parameter with its bounds.
