@@ -39,8 +39,8 @@ constexpr double kLatencyOfPeriod = 0.1;
 
 void check_same_groups(const Record& record, const sim::CraneParameters& nominal) {
   if (record.group_count == nominal.drive.group_count) return;
-  throw NotAdmitted(fmt::format("{}: the log has {} motor groups, the nominal crane {}: another crane?", record.name, record.group_count,
-                                nominal.drive.group_count));
+  throw NotAdmitted(fmt::format("{}: the log has {} motor {}, the nominal crane {}: another crane?", record.name, record.group_count,
+                                record.group_count == 1 ? "group" : "groups", nominal.drive.group_count));
 }
 
 void check_followed(const Record& record, const Shadow& follower) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "common/unit.h"
@@ -47,6 +48,11 @@ std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::
       if (p != common::kSize && !is_all_round(parameter)) {
         size.low = std::max(size.low, parameter.lower);
         size.high = std::min(size.high, parameter.upper);
+      }
+      // All round is any direction; less than that may go beyond where angles are counted from.
+      if (is_all_round(parameter) && size.high - size.low >= 2.0 * std::numbers::pi) {
+        size.low = -std::numbers::pi;
+        size.high = std::numbers::pi;
       }
       if (p == common::kSize && parameter.absent && std::isfinite(*parameter.absent)) {
         const double away = std::fabs(to_coordinate(parameter, value) - to_coordinate(parameter, *parameter.absent)), told = std::fabs(value_per_deviation(parameter, value)) * away;

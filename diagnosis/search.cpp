@@ -241,9 +241,9 @@ OnGround start_on(Problem& problem, const FitResult& ground, const FitResult& ot
   return {with_amount(problem.catalogue, ground.point, screened, screened.amount), screened.left};
 }
 
-// Whether two fits have the same effects but for one, and that is of one physics in both.
-bool is_relative(const Problem& problem, const FitResult& one, const FitResult& other) {
-  if (one.point.effects.size() != other.point.effects.size()) return false;
+// Whether the answer may be the other fit's as well as the best one's: they have the same effects but for one, which is of one physics in both. Of a pair that leaves more than noise neither is.
+bool is_relative(const Problem& problem, const FitResult& best, const FitResult& other) {
+  if (best.point.effects.size() != other.point.effects.size() || (best.point.effects.size() > 1 && mean_square(best.difference) > kNoiseAlone)) return false;
   const auto own = [](const FitResult& fitted, const FitResult& beside) {
     std::vector<std::string> names;
     for (const common::EffectInstance& effect : fitted.point.effects) {
@@ -251,7 +251,7 @@ bool is_relative(const Problem& problem, const FitResult& one, const FitResult& 
     }
     return names;
   };
-  const std::vector<std::string> first = own(one, other), second = own(other, one);
+  const std::vector<std::string> first = own(best, other), second = own(other, best);
   if (first.size() != 1 || second.size() != 1) return false;
   const common::Family family = problem.catalogue.at(first.front()).family;
   return family != common::Family::none && family == problem.catalogue.at(second.front()).family;

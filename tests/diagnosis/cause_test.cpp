@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,21 @@ TEST(Cause, SizesHaveNinetyPercentIntervals) {
   EXPECT_EQ(sizes[1].low, 0.0);
   EXPECT_NEAR(sizes[2].low * sizes[2].high, 1.0, 1e-12);
   EXPECT_NEAR(std::log(sizes[2].high), kNinety * sizes[2].deviation, 1e-12);
+}
+
+// An angle of which nothing is known may be any; one that is known better may lie beyond half a turn, where the same direction has another number.
+TEST(Cause, AnAngleIsNoMoreThanAllRound) {
+  constexpr double kHalfTurn = std::numbers::pi;
+  common::EffectAbout about;
+  about.name = "law";
+  about.parameters = {{.name = "size", .unit = common::Unit::newton_metre, .meaning = "", .lower = 0.0, .upper = 10.0, .typical = 1.0, .prior_scale = 1.0, .absent = 0.0},
+                      common::angle_parameter("direction", "", 0.0)};
+  common::EffectCatalogue catalogue;
+  catalogue.effects = {about};
+  const auto angle_of = [&](double deviation) { return sizes_of(catalogue, {{"law", {1.0, 3.0}}}, {0.1, deviation}).back(); };
+  EXPECT_EQ(angle_of(2.0).low, -kHalfTurn);
+  EXPECT_EQ(angle_of(2.0).high, kHalfTurn);
+  EXPECT_GT(angle_of(0.2).high, kHalfTurn);
 }
 
 // A size may be none by what the records say of it, whatever laws differ by: a factor of 1.04 that is known to a hundredth is not 1, though its interval, as wide as laws differ, holds it. Of a limit, which is absent where it is
