@@ -10,6 +10,7 @@ import json
 import math
 import os
 import sys
+import textwrap
 
 import numpy
 import pandas
@@ -17,7 +18,9 @@ import plotly.graph_objects as graph
 from plotly.subplots import make_subplots
 
 import axis_diagnosis_report
+import diagnosis_words
 from diagnosis_colours import AFTER, BEFORE, CURVES, MEASURED
+from diagnosis_words import cause_name
 from picture_page import STYLE, pictures
 from whole_file import growing
 
@@ -26,25 +29,35 @@ LEGEND = {"orientation": "h", "yref": "container", "y": 0.01, "yanchor": "bottom
 BELOW = {"b": 120}  # [px] for an axis' title and the legend of up to two rows
 ROW, BETWEEN = 230, 44  # [px] of a signal; between two, for the title of the lower one
 BETWEEN_AXES = 90  # [px] between two, for the upper one's axis and title, too
+LETTERS, NAME_LINE, BAR = 42, 17, 14  # of a cause's name before it goes on in the next line; [px] of such a line, and of a bar below its name
 LEGEND_ROW, NAMES_IN_ROW = 20, 3  # [px] of a row of a legend; names for which it has room at least in a wide window
 
 
-def cause_name(cause):
-    if not cause["effects"]:
-        return "only parameters are off"
-    return " or ".join(" with ".join(effects) for effects in [cause["effects"], *cause.get("or", [])])
+def folded(name, most):
+    return "<br>".join(textwrap.wrap(name, most, break_long_words=False))
 
 
-def probability_figure(found):
+def probability_figure(found, is_narrow):
+    """Names beside their bars, or above them where there is no room."""
     causes = [c for c in found["causes"] if c["probability"] > 0.002][:8]
     names = ["nothing is missing" if not c["effects"] and not found["gap"] else cause_name(c) for c in causes] + ["outside the catalogue"]
     shares = [c["probability"] for c in causes] + [found["probability_unknown"]]
     if found.get("probability_hidden"):
         names.insert(1, "one too small for these records")
         shares.insert(1, found["probability_hidden"])
+    names = [folded(name, LETTERS) for name in names]
+    lines = [name.count("<br>") + 1 for name in names]
     figure = graph.Figure(graph.Bar(x=shares[::-1], y=names[::-1], orientation="h", marker_color=AFTER))
-    figure.update_layout(title="Probability of each cause", xaxis={"range": [0, 1], "tickformat": ".0%"},
-                         height=120 + 34 * len(names), margin={"l": 260, "t": 50, "b": 40})
+    figure.update_layout(title="Probability of each cause", xaxis={"range": [0, 1], "tickformat": ".0%"})
+    if is_narrow:
+        row = NAME_LINE * max(lines) + BAR + 10
+        figure.update_layout(height=90 + row * len(names), margin={"l": 10, "r": 25, "t": 50, "b": 40}, bargap=1 - BAR / row, xaxis_nticks=5,
+                             yaxis_showticklabels=False)
+        for name in names:
+            figure.add_annotation(x=0, y=name, text=name, xanchor="left", yanchor="bottom", yshift=BAR / 2, align="left", showarrow=False)
+    else:
+        figure.update_layout(height=120 + max(34, NAME_LINE * max(lines) + 4) * len(names), margin={"l": 260, "t": 50, "b": 40},
+                             yaxis={"automargin": True, "ticksuffix": "  "})
     return figure
 
 
@@ -155,7 +168,7 @@ def spectrogram_figure(series, modes, shown):
 def figures_of(found, directory):
     series = pandas.read_csv(os.path.join(directory, "series.csv"))
     after = after_name(found)
-    figures = [probability_figure(found)]
+    figures = [(probability_figure(found, False), probability_figure(found, True))]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
         figures.append(series_figure(series, after))
     if found.get("discrepancies"):
@@ -168,10 +181,12 @@ def page(directory):
         found = json.load(file)
     with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
         summary = file.read()
-    draw = axis_diagnosis_report.figures_of if found.get("kind") == "axis" else figures_of
+    is_axis = found.get("kind") == "axis"
+    head = f"<h1>{html.escape(found['verdict'])}</h1>" if is_axis else diagnosis_words.head(found, summary, directory)
+    figures = axis_diagnosis_report.figures_of(found, directory) if is_axis else figures_of(found, directory)
     return (f"<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' content='width=device-width, initial-scale=1'>"
-            f"<title>slewlab diagnosis</title><style>{STYLE}body{{max-width:1200px}}pre{{white-space:pre-wrap;overflow-wrap:anywhere}}</style>"
-            f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{pictures(list(draw(found, directory)))}")
+            f"<title>slewlab diagnosis</title><style>{STYLE}{'' if is_axis else diagnosis_words.STYLE}body{{max-width:1200px}}pre{{white-space:pre-wrap;overflow-wrap:anywhere}}</style>"
+            f"{head}<pre>{html.escape(summary)}</pre>{pictures(figures)}")
 
 
 def main():

@@ -12,6 +12,8 @@ from themed_page import escaped, printed, table
 SHOWN = 0.01  # probability from which a cause stands in the table; the first one does in any case
 NOTHING = "nothing is missing: the nominal machine, its parameters within their spread"
 UNKNOWN = "outside the catalogue (unknown)"
+HEADS = ("Cause", "Probability", "Size (90 % interval)", "Share of the gap explained, fitted records", "Validation")
+NONE = "-"  # of a cell
 
 STYLE = """
 a { color: #0b5cad; }
@@ -24,8 +26,16 @@ h1 { font-weight: 600; line-height: 1.35; }
 .causes td:nth-child(2), .causes td:nth-child(4) { white-space: nowrap; }
 .causes td span { white-space: nowrap; }
 .causes td:nth-child(1) { min-width: 11em; } .causes td:nth-child(3) { min-width: 17em; } .causes td:nth-child(5) { min-width: 17em; }
-@media (max-width: 600px) { h1 { font-size: 1.15em; } }
-@media (prefers-color-scheme: dark) { a { color: #6cb0ff; } .faint { color: #a3acb5; } }
+@media (max-width: 600px) {
+  h1 { font-size: 1.15em; }
+  .causes thead, .causes .none { display: none; }
+  .causes table, .causes tbody, .causes tr, .causes td { display: block; padding: 0; border: 0; }
+  .causes td:nth-child(n) { white-space: normal; min-width: 0; }
+  .causes tr { border-bottom: 1px solid #e4e4e4; padding: .5em 0; }
+  .causes td + td { margin-top: .35em; }
+  .causes td + td::before { content: attr(data-head) ": "; font-weight: 600; }
+}
+@media (prefers-color-scheme: dark) { a { color: #6cb0ff; } .causes tr { border-color: #30363d; } .faint { color: #a3acb5; } }
 @media print { a { color: #0b5cad; } .faint { color: #444; } }
 """
 
@@ -161,7 +171,7 @@ def sizes_cell(cause):
         name = size["parameter"].removeprefix(f"{cause['effects'][0]}.") if is_one else size["parameter"]
         value = with_unit(number(size["value"]), size["unit"])
         told.append(f"{escaped(name)} <span>{escaped(value)}</span> <span>({number(size['low_90'])} to {number(size['high_90'])})</span>")
-    return lines(told) or "-"
+    return lines(told) or NONE
 
 
 def changed(before, after, unit=""):
@@ -189,29 +199,28 @@ def validation_cell(found, cause, is_first):
             error = changed(gap["before"], gap["after"], gap["unit"]) if found["gap"] else escaped(f"{number(gap['before'])} {printed(gap['unit'])}")
             told.append(f"{escaped(gap['signal'])} {error}")
     if not told and not cause["effects"]:
-        return "-"
+        return NONE
     return lines(told) or "not validated"
 
 
+def row_of(*cells):
+    """Each cell knows its head, for windows in which they stand below each other."""
+    return [f"<td{' class=none' if cell == NONE else ''} data-head=\"{head}\">{cell}</td>" for head, cell in zip(HEADS, cells)]
+
+
 def cause_table(found):
-    """As the summary has them, with every size."""
-    rows = []
-    unknown = [UNKNOWN, f"{100 * found['probability_unknown']:.1f} %", "-", "-", "-"]
+    """The likeliest first, with every size."""
     causes = [cause for place, cause in enumerate(found["causes"]) if place == 0 or cause["probability"] >= SHOWN]
+    rows = [(found["probability_unknown"], UNKNOWN, NONE, NONE, NONE)]
+    if found.get("probability_hidden", 0.0) >= SHOWN:
+        rows.append((found["probability_hidden"], "an effect that is too small for these records", NONE, NONE, NONE))
     for cause in causes:
-        if unknown not in rows and found["probability_unknown"] > cause["probability"]:
-            rows.append(unknown)
-        share = f"{100 * cause['explained_share']:.1f} %" if cause["effects"] and "explained_share" in cause else "-"
-        rows.append([cause_cell(cause, found.get("gap", True)), f"{100 * cause['probability']:.1f} %", sizes_cell(cause), share,
-                     validation_cell(found, cause, cause is causes[0])])
-    if unknown not in rows:
-        rows.append(unknown)
-    hidden = found.get("probability_hidden", 0.0)
-    if hidden >= SHOWN:
-        rows.append(["an effect that is too small for these records", f"{100 * hidden:.1f} %", "-", "-", "-"])
-    heads = ["Cause", "Probability", "Size (90 % interval)", "Share of the gap explained, fitted records", "Validation"]
+        share = f"{100 * cause['explained_share']:.1f} %" if cause["effects"] and "explained_share" in cause else NONE
+        rows.append((cause["probability"], cause_cell(cause, found.get("gap", True)), sizes_cell(cause), share, validation_cell(found, cause, cause is causes[0])))
+    rows.sort(key=lambda row: row[0], reverse=True)
     less = "" if len(causes) == len(found["causes"]) else f"<p class=faint>Causes of less than {100 * SHOWN:.0f} % are left out.</p>"
-    return f"<div class=causes>{table(heads, rows)}</div>" + less
+    cells = [row_of(what, f"{100 * probability:.1f} %", *others) for probability, what, *others in rows]
+    return f"<div class=causes>{table(HEADS, cells)}</div>{less}"
 
 
 def head(found, summary, directory):
