@@ -612,6 +612,13 @@ void write_machines(const Made& made, FindingsFolder& findings) {
                                               "slewlab diagnose, " + made.found.verdict));
 }
 
+// Logs, or folders of runs.
+nlohmann::json files_json(const std::vector<std::filesystem::path>& places) {
+  nlohmann::json files = nlohmann::json::array();
+  for (const std::filesystem::path& place : places) files.push_back(std::filesystem::absolute(place).string());
+  return files;
+}
+
 // All files of a diagnosis but the page; answers with the summary.
 std::string write_findings(const Made& made, const std::vector<Record>& records, const diagnosis::Thresholds& thresholds) {
   const Diagnosis& found = made.found;
@@ -638,6 +645,9 @@ std::string write_findings(const Made& made, const std::vector<Record>& records,
   const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (kDrawnRate * highest_shown * found.followed.step))));
   findings.write("series.csv", series_text(last, found.followed, predicted, stride));
   json["crane"] = std::filesystem::absolute(options.crane).string();
+  if (!options.controller.empty()) json["controller"] = std::filesystem::absolute(options.controller).string();
+  json["logs"] = files_json(options.logs);
+  json["unseen_logs"] = files_json(options.unseen);
   json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
   json["modes"] = modes_json(made.cut, highest_shown);
   findings.write("diagnosis.json", json.dump(2) + "\n");

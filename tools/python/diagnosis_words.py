@@ -105,44 +105,21 @@ def proposals(found, summary):
     return said
 
 
-def log_files(found):
-    """(of all logs that the findings name, of those that had no part in the answer)."""
-    file_of = lambda text: (re.match(r".+?\.lcmlog\b", text) or [""])[0]
-    fitted = [moment["log"] for moment in found.get("moments", [])]
-    unseen = [one["log"] for one in found.get("unseen", [])]
-    named = [*(file_of(text) or text for text in fitted), *(file_of(remark.partition(": ")[0]) for remark in found.get("remarks", [])),
-             file_of(found.get("gaps_on", "")), *(file_of(text) or text for text in unseen)]
-    # Of a long log one stretch is fitted and another is not: its name has the stretch behind it.
-    return sorted({name for name in named if name}), {text for text in unseen if text not in fitted}
-
-
 def date_text(files):
     """When the newest of the logs was written; empty where one of them is not there. No clock: the same inputs give the same page."""
     try:
-        newest = max(os.stat(file).st_mtime for file in files)
+        newest = max(os.stat(Path(file) / "run.lcmlog" if os.path.isdir(file) else file).st_mtime for file in files)
     except (OSError, ValueError):
         return ""
     return datetime.datetime.fromtimestamp(newest, datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
 
 
-def controller_text(found, directory):
-    if not found.get("controller_replay"):
-        return "not given"
-    for name, key in (("controller_with_effect.yaml", "include"), ("next_manoeuvre.yaml", "controller")):
-        file = Path(directory) / name
-        line = re.search(rf"^{key}: *(.+?) *$", file.read_text(encoding="utf-8"), re.MULTILINE) if file.is_file() else None
-        named = os.path.normpath(os.path.join(os.path.abspath(directory), line.group(1).strip("'\""))) if line else ""
-        if os.path.isfile(named):  # none of a folder that was moved
-            return named
-    return "given"
-
-
-def origin(found, directory):
+def origin(found):
     """Of what the answer was made, and by what."""
-    files, unseen = log_files(found)
-    logs = ", ".join(name + (" (not fitted)" if name in unseen else "") for name in files)
-    date = date_text(files)
-    told = [("Logs that the findings name", logs), ("newest log written", date), ("crane", found.get("crane", "")), ("controller", controller_text(found, directory)), ("page by", version())]
+    fitted, unseen = found.get("logs", []), found.get("unseen_logs", [])
+    logs = ", ".join([*fitted, *(f"{name} (not fitted)" for name in unseen)])
+    told = [("Logs", logs), ("newest log written", date_text(fitted + unseen)), ("crane", found.get("crane", "")),
+            ("controller", found.get("controller", "not given")), ("page by", version())]
     return f'<p class="faint origin">{" · ".join(f"{what}: {escaped(value)}" for what, value in told if value)}</p>'
 
 
@@ -230,4 +207,4 @@ def head(found, summary, directory):
     said = [sentences.html(text) for text in proposals(found, summary)]
     if os.path.isfile(os.path.join(directory, "next_manoeuvre.yaml")):
         said = [text.replace("next_manoeuvre.yaml", '<a href="next_manoeuvre.yaml">next_manoeuvre.yaml</a>', 1) for text in said]
-    return (f"<h1>{answer}</h1>" + "".join(f"<p class=next>{text}</p>" for text in said) + origin(found, directory) + cause_table(found))
+    return (f"<h1>{answer}</h1>" + "".join(f"<p class=next>{text}</p>" for text in said) + origin(found) + cause_table(found))

@@ -122,6 +122,9 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   EXPECT_TRUE(found["gap"].get<bool>());
   EXPECT_EQ(found["verdict"], "dragging_brake");
   EXPECT_GT(found["simulations"].get<int>(), 100);
+  EXPECT_EQ(found["logs"], nlohmann::json::array({log()}));
+  EXPECT_EQ(found["unseen_logs"], nlohmann::json::array());
+  EXPECT_EQ(found["controller"], kConfig + "controllers/thesis.yaml");
   const auto& first = found["causes"][0];
   EXPECT_EQ(first["effects"], nlohmann::json::array({"dragging_brake"}));
   EXPECT_GT(first["probability"].get<double>(), 0.5);

@@ -183,16 +183,16 @@ class DiagnosisReportTest(unittest.TestCase):
         log = self.folder / "a.lcmlog"
         log.touch()
         os.utime(log, (1772600760, 1772600760))  # date -u -d @1772600760
-        made_of = {"moments": [{"log": str(log)}], "remarks": [f"{log}: slew angle is not in the log"], "controller_replay": [{}]}
-        (self.folder / "controller.yaml").touch()
-        (self.folder / "next_manoeuvre.yaml").write_text("kind: scenario\ncontroller: controller.yaml\n")
-        told = words(self.make("sure", **made_of))
-        self.assertIn(f"Logs that the findings name: {log}, b.lcmlog", told)
-        self.assertNotIn("newest log written", told)  # b.lcmlog is not there
+        (self.folder / "run").mkdir()
+        (self.folder / "run" / "run.lcmlog").touch()
+        os.utime(self.folder / "run" / "run.lcmlog", (1772600700, 1772600700))
+        made_of = {"logs": [str(log)], "unseen_logs": [str(self.folder / "run")], "controller": "/controllers/thesis.yaml"}
         page = self.make("outside", **made_of)
-        self.assertIn(f"Logs that the findings name: {log} · newest log written: 2026-03-04 05:06 UTC · crane: /cranes/thesis.yaml · "
-                      f"controller: {self.folder / 'controller.yaml'} · page by: slewlab ", words(page))
+        self.assertIn(f"Logs: {log}, {self.folder / 'run'} (not fitted) · newest log written: 2026-03-04 05:06 UTC · crane: /cranes/thesis.yaml · "
+                      f"controller: /controllers/thesis.yaml · page by: slewlab ", words(page))
         self.assertEqual(page, self.make("outside", **made_of))
+        told = words(self.make("outside", logs=[str(log), "b.lcmlog"]))
+        self.assertIn(f"Logs: {log}, b.lcmlog · crane: /cranes/thesis.yaml · controller: not given", told)  # b.lcmlog is not there
 
     def test_numbers_as_people_write_them(self):
         for value, text in ((0, "0"), (12.04, "12"), (1483.0, "1480"), (141200.0, "141000"), (3.969e6, "3.97e6"), (6.93e-5, "6.93e-5"), (-0.5224, "-0.522"), (None, "-")):
