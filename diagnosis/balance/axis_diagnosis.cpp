@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "common/unit.h"
+#include "diagnosis/balance/balance_priors.h"
 #include "diagnosis/balance/balance_setup.h"
 #include "diagnosis/balance/balance_sizes.h"
 #include "diagnosis/balance/described_axis.h"
@@ -173,12 +174,37 @@ bool is_below_record(const std::vector<AxisRecord>& records, const std::vector<B
   return true;
 }
 
-// Chooses the laws without the last record, and asks them to predict it.
+// Which record is held out: the last without which the others tell the ordinary laws; where there is none, the one without which they tell most of them,
+// whatever the order. `smooth`: of several records.
+std::size_t held_out(const std::vector<BalanceRecord>& smooth, const Balance& balance, double nominal_inertia) {
+  const Regression regression = prepared_regression(smooth, balance.laws, nominal_inertia, balance.resolved_speed);
+  LawChoice ordinary;
+  for (std::size_t l = 0; l < balance.laws.size(); ++l) {
+    if (balance.laws[l].is_ordinary) ordinary.laws.emplace_back(static_cast<int>(l), 0);
+  }
+  const std::vector<Eigen::Index> columns = columns_of(regression, ordinary);
+  const RegressionSums all = sums_of(regression, columns);
+  std::size_t out = smooth.size() - 1;
+  double most = -1.0;
+  for (std::size_t r = smooth.size(); r-- > 0;) {
+    const double share = least_share(sums_of(regression, columns, [r](const RegressionBlock& block) { return block.record != r; }), all);
+    if (share >= kLeastDetermined) return r;
+    if (share > most) {
+      most = share;
+      out = r;
+    }
+  }
+  return out;
+}
+
+// Chooses the laws without one record, of a single one without its second half, and asks them to predict it.
 void choose_and_validate(const std::vector<AxisRecord>& records, const std::vector<BalanceRecord>& smooth, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
   AxisRecord last = records.back();
   if (records.size() > 1) {
-    fitted.pop_back();
+    const auto out = fitted.begin() + static_cast<std::ptrdiff_t>(held_out(smooth, balance, nominal_inertia));
+    last = *out;
+    fitted.erase(out);
     diagnosis.validation.place = last.name;
   } else {
     fitted = {part_of(last, false)};

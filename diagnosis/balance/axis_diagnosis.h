@@ -1,5 +1,6 @@
 // The diagnosis of a plain axis: which laws close the torque balance of its records (balance_fit.h), and whether they predict data
-// that were not fitted. An axis's controller is somebody else's, so two things judge a cause, on the last record, or of a single one on
+// that were not fitted. An axis's controller is somebody else's, so two things judge a cause, on the last record without which
+// the others tell the ordinary laws (least_share()), or where they do so without none, on that without which they tell most of them; of a single one on
 // its second half:
 //
 //   torque balance        F - J q'' - laws(q', q, t), RMS

@@ -13,6 +13,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kFewestJudged = 50.0;  // samples that must move
+constexpr double kRidge = 1e-10;        // [-] parallel columns share a size instead of running away
 constexpr double kMostNoise = 0.5;      // of a column's square, from which it tells more of the noise than of the axis; chosen
 
 void add_column(const std::vector<double>& series, const std::vector<std::size_t>& judged, Eigen::MatrixXd& values, Eigen::Index column) {
@@ -158,7 +159,6 @@ RegressionSums sums_of(const Regression& regression, const std::vector<Eigen::In
 Eigen::VectorXd solve(const RegressionSums& sums) {
   const Eigen::VectorXd scale = sums.products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * sums.products * scale.cwiseInverse().asDiagonal();
-  constexpr double kRidge = 1e-10;  // [-] parallel columns share a size instead of running away
   scaled.diagonal().array() += kRidge;
   return scale.cwiseInverse().asDiagonal() * scaled.ldlt().solve(scale.cwiseInverse().asDiagonal() * sums.with_effort);
 }
@@ -167,6 +167,13 @@ double least_determined(const RegressionSums& sums) {
   const Eigen::VectorXd scale = sums.products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * sums.products * scale.cwiseInverse().asDiagonal();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()(0);
+}
+
+double least_share(const RegressionSums& part, const RegressionSums& whole) {
+  const Eigen::VectorXd scale = whole.products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * whole.products * scale.asDiagonal();
+  scaled.diagonal().array() += kRidge;
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * part.products * scale.asDiagonal(), scaled, Eigen::EigenvaluesOnly).eigenvalues()(0);
 }
 
 double squared_error(const RegressionBlock& block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& sizes) {

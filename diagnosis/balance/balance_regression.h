@@ -87,6 +87,8 @@ RegressionSums sums_of(const Regression& regression, const std::vector<Eigen::In
 Eigen::VectorXd solve(const RegressionSums& sums);
 // Smallest eigenvalue of the products of columns brought to one size: 0 where some of them are parallel.
 double least_determined(const RegressionSums& sums);
+// Of what `whole` tells of its sizes, the share that `part` tells as well, of that combination of them of which it tells least.
+double least_share(const RegressionSums& part, const RegressionSums& whole);
 // Sum of squares of the residual of these sizes on a block.
 double squared_error(const RegressionBlock& block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& sizes);
 

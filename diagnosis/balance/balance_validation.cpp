@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kSignificance = 2.0;     // [standard errors] by which an addition must help the left-out blocks
 constexpr double kParallel = 1e-4;        // smallest eigenvalue of the columns' products, from which records tell the laws of a model apart
-constexpr double kLeastDetermined = 0.1;  // of the sizes by all records but one, against all of them, for that one to judge
 
 // The columns whose sizes the records must tell: a difference of the directions has its prior, without which records of one direction would
 // tell no viscous friction.
@@ -56,7 +55,7 @@ ValidatedChoice validate(const Regression& regression, const std::vector<Balance
   for (std::size_t r = 0; r < records && records > 1; ++r) {
     const auto is_other = [&](const RegressionBlock& block) { return block.record != r; };
     const RegressionSums others = sums_of(regression, columns, is_other);
-    if (least_determined(sums_of(regression, told, is_other)) < kLeastDetermined * determined) {
+    if (least_share(sums_of(regression, told, is_other), sums_of(regression, told)) < kLeastDetermined) {
       result.record_error.clear();
       result.record_block_error.clear();
       break;

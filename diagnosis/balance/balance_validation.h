@@ -2,7 +2,7 @@
 //
 //   e_b = |y_b - A_b x_(without b)|^2 / n_b                                                           (1)
 //
-// Whole records judge where the others determine the sizes nearly as well as all do. A law whose size has a sign that its physics forbids
+// Whole records judge where the others tell of each size a good share of what all do (least_share()). A law whose size has a sign that its physics forbids
 // (friction that pushes), or that the records do not tell from its neighbours, makes the choice none that can be the answer.
 //
 // Units: squares of the axis's effort. Shapes: one entry per block of the regression, or per record.
@@ -17,6 +17,8 @@
 namespace slewlab::diagnosis {
 
 inline constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is within a known law's residual
+
+inline constexpr double kLeastDetermined = 0.1;  // of what all records tell of the sizes, that all but one tell as well, for that one to judge; chosen
 
 // Mean squares of the residual on data that were not fitted.
 struct LeftOutError {

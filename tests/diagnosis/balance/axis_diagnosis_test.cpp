@@ -516,6 +516,30 @@ TEST(AxisDiagnosis, TheAnswerIsTriedOnLogsThatHadNoPartInIt) {
   EXPECT_NE(refuted.verdict.find("does not predict d better"), std::string::npos) << refuted.verdict;
 }
 
+// A fast sweep and steps of 1.0 N m of dry friction beside viscous friction: the sweep, a tenth as fast, tells little of what is viscous, the steps do. Which log
+// comes first is no information.
+TEST(AxisDiagnosis, TheOrderOfTheLogsIsNoInformation) {
+  const auto resistance = [](double, double, double speed) { return 1.0 * std::tanh(speed / 2e-3) + 0.3 * speed; };
+  SimulatedAxis sweep{.inertia = 1.05 * kInertia, .resistance = resistance, .duration = 6.0, .step = 1e-3, .noise = 3e-6}, steps = sweep;
+  sweep.effort = [](double time) { return 6.0 * std::sin(2.0 * std::numbers::pi * (0.5 * time + (20.0 - 0.5) * time * time / 12.0)); };
+  steps.effort = [](double time) { return (static_cast<int>(time / 0.7) % 2 == 0 ? 5.0 : -5.0) * (static_cast<int>(time / 1.4) % 2 == 0 ? 0.6 : 1.0); };
+  steps.seed = 2;
+  const NamedRun swept = logged(sweep, "sweep"), stepped = logged(steps, "steps");
+  const AxisDiagnosis one = diagnose_axis(axis_file(), {swept, stepped}), other = diagnose_axis(axis_file(), {stepped, swept});
+  for (const AxisDiagnosis* found : {&one, &other}) {
+    ASSERT_EQ(found->outcome, AxisOutcome::stated) << found->verdict;
+    EXPECT_NEAR(size_of(found->answer.best, "dry"), 1.0, 0.1) << found->verdict;
+    EXPECT_NEAR(size_of(found->answer.best, "viscous"), 0.3, 0.1) << found->verdict;
+    EXPECT_FALSE(found->has_remainder) << found->verdict;
+    EXPECT_EQ(found->validation.place, "sweep") << "of which the steps tell more than it of them";
+  }
+  EXPECT_EQ(one.verdict, other.verdict);
+  EXPECT_EQ(one.answer.models.front().words(), other.answer.models.front().words());
+  EXPECT_NEAR(one.answer.probability_unknown, other.answer.probability_unknown, 0.01);
+  ASSERT_EQ(one.answer.laws.size(), other.answer.laws.size());
+  for (std::size_t l = 0; l < one.answer.laws.size(); ++l) EXPECT_NEAR(one.answer.laws[l].probability, other.answer.laws[l].probability, 0.01) << one.answer.laws[l].law;
+}
+
 // What to do stands in one sentence behind the answer.
 TEST(AxisDiagnosis, SaysWhatToDo) {
   EXPECT_EQ(diagnose_axis(axis_file(), two_runs(noisy([](double, double, double) { return 0.0; }))).action, "Keep the axis's file: it describes this axis.");

@@ -115,6 +115,19 @@ TEST(BalanceRegression, NoiseOfTheTorqueIsNoLag) {
   EXPECT_NEAR(square, without, 0.01 * without);
 }
 
+// Of two columns of squares 10 and 4 a part tells 5 and 1: a quarter of the second, in whatever units.
+TEST(BalanceRegression, APartTellsTheLeastShareOfTheSizes) {
+  for (const double unit : {1.0, 1e3}) {
+    const auto sums = [unit](double first, double second) {
+      Eigen::MatrixXd products = Eigen::Vector2d(first, second * unit * unit).asDiagonal();
+      return RegressionSums{products, Eigen::VectorXd::Zero(2)};
+    };
+    EXPECT_NEAR(least_share(sums(5.0, 1.0), sums(10.0, 4.0)), 0.25, 1e-6);
+    EXPECT_NEAR(least_share(sums(10.0, 4.0), sums(10.0, 4.0)), 1.0, 1e-6);
+    EXPECT_NEAR(least_share(sums(5.0, 0.0), sums(10.0, 4.0)), 0.0, 1e-6);
+  }
+}
+
 TEST(BalanceRegression, RecordsThatStandAreRefused) {
   const AxisRecord record{"standing", 0.01, std::vector<double>(2000, 1.0), std::vector<double>(2000, 0.5)};
   EXPECT_THROW(make_regression({make_balance_record(record, 5)}, balance_laws({1.0, 1e-3, 20.0, 0.0, 0.0, true, {}}), 1e-3), std::invalid_argument);
