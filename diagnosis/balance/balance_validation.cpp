@@ -51,16 +51,16 @@ ValidatedChoice validate(const Regression& regression, const std::vector<Balance
     result.of_blocks += error / regression.count;
   }
   const std::vector<Eigen::Index> told = told_by_records(regression, laws, columns);
-  const double determined = least_determined(sums_of(regression, told));
+  const RegressionSums of_all = sums_of(regression, told);
+  const double determined = least_determined(of_all);
   for (std::size_t r = 0; r < records && records > 1; ++r) {
     const auto is_other = [&](const RegressionBlock& block) { return block.record != r; };
-    const RegressionSums others = sums_of(regression, columns, is_other);
-    if (least_share(sums_of(regression, told, is_other), sums_of(regression, told)) < kLeastDetermined) {
+    if (least_share(sums_of(regression, told, is_other), of_all) < kLeastDetermined) {
       result.record_error.clear();
       result.record_block_error.clear();
       break;
     }
-    const Eigen::VectorXd sizes = solve(others);
+    const Eigen::VectorXd sizes = solve(sums_of(regression, columns, is_other));
     double error = 0.0, count = 0.0;
     for (const RegressionBlock& block : regression.blocks) {
       if (block.record != r) continue;
