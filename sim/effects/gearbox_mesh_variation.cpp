@@ -43,7 +43,7 @@ const EffectDescription& gearbox_mesh_variation() {
                             .phase = start.value("phase"),
                             .second_sine = start.value("second_sine"),
                             .second_cosine = start.value("second_cosine")};
-        return start_mesh_variation(start, start.value("amplitude"), ripples_of_groups(ripple, ripple.phase, start.model.group_count), MeshAngle::motor);
+        return start_mesh_variation(start, start.value("amplitude"), ripples_of_groups(ripple, {.phase_last = ripple.phase}, start.model.group_count), MeshAngle::motor);
       }};
   return description;
 }

@@ -2,7 +2,7 @@
 //   k(theta) = k (1 + a (sin(m + phase) + second_sine sin(2 m) + second_cosine cos(2 m))),   m = Z_p i_pinion theta_house,
 // second_sine and second_cosine because teeth take over with corners, not with a sine. The pinion turns with
 // the house; the gearbox gives between it and the motor. Pinions stand at other teeth of the rim, so the last half of the groups has
-// the same wave with a phase of its own.
+// the same wave with a phase of its own; a tooth is damaged in one of them, so the first half has (1 + share) a, the last half (1 - share) a.
 // Z_p is the machine's drive.pinion_teeth. a is the share of the group's whole stiffness: 20 % of the pinion's
 // (2.7) in series with the gearbox is a = 0.2 k_gearbox / (k_gearbox + k_pinion). Acts as the contact's torque (gear.h) at k(theta) less the one at
 // k, on the house and back on the motor; the contact's damping stays (mesh_variation.h, mesh_torque.h).
@@ -32,7 +32,8 @@ const EffectDescription& pinion_mesh_variation() {
                                common::angle_parameter("phase", "at the start, in the first half of the groups"),
                                common::angle_parameter("phase_last", "at the start, in the last half"),
                                second_sine_parameter(),
-                               second_cosine_parameter()},
+                               second_cosine_parameter(),
+                               ripple_share_parameter()},
                 .needs = {.gears = true, .pinion_teeth = true},
                 .family = common::Family::ripple},
       .ports = {EffectPort::force, EffectPort::sensor},
@@ -42,7 +43,7 @@ const EffectDescription& pinion_mesh_variation() {
                             .phase = start.value("phase"),
                             .second_sine = start.value("second_sine"),
                             .second_cosine = start.value("second_cosine")};
-        return start_mesh_variation(start, start.value("amplitude"), ripples_of_groups(ripple, start.value("phase_last"), start.model.group_count), MeshAngle::house);
+        return start_mesh_variation(start, start.value("amplitude"), ripples_of_groups(ripple, {.phase_last = start.value("phase_last"), .share = start.value("share")}, start.model.group_count), MeshAngle::house);
       }};
   return description;
 }

@@ -39,12 +39,28 @@ inline RippleWave wave_of(const Ripple& ripple) {
   return {ripple.order, std::cos(ripple.phase), std::sin(ripple.phase), ripple.second_sine, ripple.second_cosine};
 }
 
-// One wave for all groups, each half of them with a phase of its own: no two rotors and no two pinions are mounted alike.
+// The same, `factor` [-] times as high.
+inline RippleWave scaled(RippleWave wave, double factor) {
+  wave.first_sine *= factor;
+  wave.first_cosine *= factor;
+  wave.second_sine *= factor;
+  wave.second_cosine *= factor;
+  return wave;
+}
+
+// What is of each half of the groups alone: no two rotors and no two pinions are mounted alike, and a defect sits in one of them.
+struct RippleSides {
+  double phase_last = 0.0;  // [rad] of the last half; the middle one of an odd number goes with the first
+  double share = 0.0;       // [-] by how much the first half's ripple is larger than the mean, and the last half's smaller
+};
+
+// One shape of wave for all groups.
 using GroupRipples = std::array<RippleWave, kMaximumGroupCount>;
-inline GroupRipples ripples_of_groups(const Ripple& first, double phase_last, int group_count) {
+inline GroupRipples ripples_of_groups(const Ripple& first, const RippleSides& sides, int group_count) {
   GroupRipples ripples{};
   for (int i = 0; i < group_count; ++i) {
-    ripples[static_cast<std::size_t>(i)] = wave_of(group_side(i, group_count) < 0.0 ? shifted(first, phase_last - first.phase) : first);
+    const double side = group_side(i, group_count);
+    ripples[static_cast<std::size_t>(i)] = scaled(wave_of(side < 0.0 ? shifted(first, sides.phase_last - first.phase) : first), 1.0 + sides.share * side);
   }
   return ripples;
 }
@@ -56,6 +72,20 @@ inline double mean_ripple(const RippleWave& wave, double angle, double turned) {
   const double first = wave.first_sine * sine + wave.first_cosine * cosine;
   const double second = 2.0 * wave.second_sine * sine * cosine + wave.second_cosine * (1.0 - 2.0 * sine * sine);
   return (first + second * half.cosine) * half.share;
+}
+
+// Beyond 1 the other half's wave is turned over: a ripple in one half alone lies within the bounds.
+inline common::EffectParameter ripple_share_parameter() {
+  return {.name = "share",
+          .unit = common::Unit::none,
+          .meaning = "relative excess of the first half of the groups: 1 where they alone have it",
+          .lower = -2.0,
+          .upper = 2.0,
+          .typical = 0.0,
+          .prior_scale = 0.3,
+          .scale = common::ParameterScale::linear,
+          .absent = 0.0,
+          .detail = true};
 }
 
 // In both of them at once, so that a fit finds it from nothing whatever its phase.

@@ -1,6 +1,7 @@
 // Torque ripple: on top of the command, a torque that depends on the rotor's angle,
 //   T = T_command + a (sin(n theta_motor + phase) + second_sine sin(2 n theta_motor) + second_cosine cos(2 n theta_motor)),
-// n ripples per turn of the motor; rotors are mounted one by one, so the last half of the groups has the same wave with a phase of its own. What acts over a step is its mean along the turned angle, exact for a steady speed, so
+// n ripples per turn of the motor; rotors are mounted one by one, so the last half of the groups has the same wave with a phase of its own, and a defect sits in one
+// of them: the first half has (1 + share) a, the last half (1 - share) a. What acts over a step is its mean along the turned angle, exact for a steady speed, so
 // that ripples faster than the step do not fold down into slow ones.
 // Source: textbook; cogging and sixth harmonics of a three-phase machine, and their multiples. Left out in thesis 2.4.
 #include "sim/effects/effect.h"
@@ -20,7 +21,7 @@ class TorqueRipple : public Running<TorqueRipple> {
                                    .phase = start.value("phase"),
                                    .second_sine = start.value("second_sine"),
                                    .second_cosine = start.value("second_cosine")},
-                                  start.value("phase_last"), start.model.group_count)),
+                                  {.phase_last = start.value("phase_last"), .share = start.value("share")}, start.model.group_count)),
         group_count_(start.model.group_count) {}
 
   void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
@@ -66,7 +67,8 @@ const EffectDescription& torque_ripple() {
                                common::angle_parameter("phase", "at the start, in the first half of the groups"),
                                common::angle_parameter("phase_last", "at the start, in the last half"),
                                second_sine_parameter(),
-                               second_cosine_parameter()},
+                               second_cosine_parameter(),
+                               ripple_share_parameter()},
                 .family = common::Family::ripple},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {

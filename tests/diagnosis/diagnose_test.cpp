@@ -19,9 +19,10 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
-#include "diagnosis/stochastic_fit.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
+#include "diagnosis/stochastic.h"
+#include "diagnosis/stochastic_fit.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/missing_torque.h"
@@ -140,12 +141,12 @@ TEST(Fit, FindsTheOrderOfARippleOverHundredsOfTurns) {
   constexpr double kAmplitude = 20.0, kOrder = 2.0, kPhase = 0.7;
   sim::MachineSettings truth;
   truth.crane = bench().crane;
-  truth.effects = {{"torque_ripple", {kAmplitude, kOrder, kPhase, kPhase, 0.0, 0.0}}};
+  truth.effects = {{"torque_ripple", {kAmplitude, kOrder, kPhase, kPhase, 0.0, 0.0, 0.0}}};
   BenchProblem problem;
   problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 4), "log", bench().admission));
   Point start;
   start.nuisance.assign(nuisance_count(problem), 0.0);
-  start.effects = {{"torque_ripple", {0.7 * kAmplitude, 1.001 * kOrder, kPhase - 0.5, kPhase - 0.5, 0.0, 0.0}}};
+  start.effects = {{"torque_ripple", {0.7 * kAmplitude, 1.001 * kOrder, kPhase - 0.5, kPhase - 0.5, 0.0, 0.0, 0.0}}};
   const auto nuisances = static_cast<Eigen::Index>(nuisance_count(problem));
   FitResult found = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), nuisances), start);
   settle(problem, found, 10);
@@ -161,7 +162,7 @@ TEST(Fit, FindsTheOrderOfARippleOverHundredsOfTurns) {
 TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(43);
-  truth.effects = {{"torque_ripple", {17.5, 3.0, 2.27, 2.27, -0.12, 0.275}}};
+  truth.effects = {{"torque_ripple", {17.5, 3.0, 2.27, 2.27, -0.12, 0.275, 0.0}}};
   BenchProblem problem;
   problem.nominal = with_boom_elements(problem.nominal, kBoomElements);  // as every diagnosis has it
   for (const auto& [moves, seed] : {std::pair(kThereAndBack, 3U), std::pair(kInching, 4U)}) {
@@ -170,7 +171,7 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   const FitResult base = fit_nuisances(problem, nominal_fit(problem));
   Point start;
   start.nuisance.assign(base.point.nuisance.size(), 0.0);
-  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, 2.2504, -0.1124, 0.2783}}};  // where undamped steps stand still
+  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, 2.2504, -0.1124, 0.2783, 0.0}}};  // where undamped steps stand still
   FitResult result = fit(problem, base.columns, start);
   settle(problem, result, 5);
   EXPECT_LT(residual_power(result.difference, problem.settings), 0.0);
@@ -550,7 +551,7 @@ TEST(Diagnose, TakesWhatScattersInMeasuredTorquesForNoise) {
 TEST(Diagnose, FindsTheLengthWithWhichFrictionRecursBesideALargerEffect) {
   sim::MachineSettings truth, nominal;
   truth.crane = spread_crane(54);
-  truth.effects = {{"pinion_mesh_variation", {0.16, -2.1, -2.1, 0.0, 0.0}}, {"bearing_uneven", {3e5, 0.5, 0.18, -0.2, 0.0, 0.0, 0.0, 3e-5}}};
+  truth.effects = {{"pinion_mesh_variation", {0.16, -2.1, -2.1, 0.0, 0.0, 0.0}}, {"bearing_uneven", {3e5, 0.5, 0.18, -0.2, 0.0, 0.0, 0.0, 3e-5}}};
   nominal.crane = bench().crane;
   DiagnosisSettings settings;
   for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
@@ -617,13 +618,28 @@ TEST(Diagnose, NamesBearingFrictionWithItsSize) {
 
 // Angles near half a turn, from which a descent that stops there does not come back.
 TEST(Diagnose, FindsAnglesBeyondHalfATurn) {
-  const Diagnosis found = diagnose_machine({{"encoder_ripple", {0.008, -3.0, 2.9, 0.1}}}, bench().controller, 15);
+  const Diagnosis found = diagnose_machine({{"encoder_ripple", {0.008, -3.0, 2.9, 0.1, 0.0}}}, bench().controller, 15);
   ASSERT_FALSE(found.causes.empty());
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"encoder_ripple"});
-  ASSERT_EQ(found.causes[0].sizes.size(), 4u);
+  ASSERT_EQ(found.causes[0].sizes.size(), 5u);
   EXPECT_NEAR(found.causes[0].sizes[0].value, 0.008, 0.05 * 0.008);
   EXPECT_NEAR(std::remainder(found.causes[0].sizes[1].value + 3.0, 2.0 * std::numbers::pi), 0.0, 0.05);
   EXPECT_NEAR(std::remainder(found.causes[0].sizes[2].value - 2.9, 2.0 * std::numbers::pi), 0.0, 0.05);
+}
+
+// A defect sits in one rotor: with one amplitude for all of them its ripple has no law but a stochastic one's power.
+TEST(Diagnose, NamesARippleInOneHalfOfTheGroups) {
+  constexpr double kMean = 7.5, kOrder = 6.0;  // [Nm], [-]
+  DiagnosisSettings settings;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    if (about.name != "torque_ripple" && !is_stochastic(about)) settings.without.emplace_back(about.name);
+  }
+  const Diagnosis found = diagnose_machine({{"torque_ripple", {kMean, kOrder, 1.3, 0.0, 0.2, 0.0, 1.0}}}, bench().controller, 17, settings);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"torque_ripple"}) << found.verdict;
+  ASSERT_EQ(found.causes[0].sizes.size(), 7u);
+  EXPECT_NEAR(found.causes[0].sizes[0].value, kMean, 0.05 * kMean);
+  EXPECT_NEAR(found.causes[0].sizes[6].value, 1.0, 0.05);
 }
 
 // The larger effect leaves a machine on which the smaller one looks otherwise than on the nominal one. On the way: simulations are the

@@ -58,7 +58,7 @@ TEST(Shadow, BeginsAsFastAsTheMachineTurnsThatIsReadWrong) {
 TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
-  truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 1.0, 0.2, 0.0}}};
+  truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 1.0, 0.2, 0.0, 0.0}}};
   BegunInMotion problem(truth);
   const FitResult with_mesh = problem.fit_of(truth.effects);
   EXPECT_LT(mean_square(with_mesh.difference), 1.3);  // 1 is noise alone

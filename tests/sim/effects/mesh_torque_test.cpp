@@ -28,7 +28,7 @@ TEST(MeshTorque, IsTheStiffnessTimesTheDepth) {
 // The whole crane, through its play and wound up, against SUNDIALS with the stiffness itself going up and down.
 TEST(MeshTorque, ActsAsTheStiffnessItself) {
   const CraneParameters crane = flexible_crane();
-  constexpr double kStep = 0.001, kPhase = 0.4, kLast = -1.1, kSine = 0.24, kCosine = -0.07;
+  constexpr double kStep = 0.001, kPhase = 0.4, kLast = -1.1, kSine = 0.24, kCosine = -0.07, kShare = 0.2;
   const Drive drive = constant_drive(120.0, -30.0);
   struct Mesh {
     const char* effect;
@@ -38,16 +38,21 @@ TEST(MeshTorque, ActsAsTheStiffnessItself) {
   for (const Mesh& mesh : {Mesh{"pinion_mesh_variation", 0.3, 12.0 * crane.drive.pinion_ratio, false},
                            Mesh{"gearbox_mesh_variation", 0.02, 110.0 * 8.0 / 118.0 * total_ratio(crane.drive), true}}) {
     std::vector<double> values{mesh.amplitude, kPhase, kSine, kCosine};
-    if (!mesh.of_motor) values.insert(values.begin() + 2, kLast);
+    if (!mesh.of_motor) {
+      values.insert(values.begin() + 2, kLast);
+      values.push_back(kShare);
+    }
     const auto with = run(crane, mesh.effect, values, 2.0, drive);
     const auto without = run({.crane = crane, .effects = {}}, 2.0, drive);
     ReferenceExtra extra;
     extra.gears = [&](const ReferenceMotion& motion, const double*, ReferenceGears& gears) {
       for (int i = 0; i < crane.drive.group_count; ++i) {
-        const double on = !mesh.of_motor && i == 1 ? kLast - kPhase : 0.0;  // the last half has the same wave, so much on
+        // The last half has the same wave, so much on, and a smaller one.
+        const double on = !mesh.of_motor && i == 1 ? kLast - kPhase : 0.0;
+        const double height = mesh.of_motor ? 1.0 : i == 1 ? 1.0 - kShare : 1.0 + kShare;
         const double at = mesh.order * (mesh.of_motor ? motion.motor_angle[i] : motion.house_angle) + on;
         gears.stiffness_share[i] +=
-            mesh.amplitude * (std::sin(at + kPhase) + kSine * std::sin(2.0 * at) + kCosine * std::cos(2.0 * at));
+            height * mesh.amplitude * (std::sin(at + kPhase) + kSine * std::sin(2.0 * at) + kCosine * std::cos(2.0 * at));
       }
     };
     const ReferencePointer reference = make_reference(reference_machine(crane), {.tolerance = 1e-8}, extra);

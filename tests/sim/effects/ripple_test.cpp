@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace slewlab::sim {
 namespace {
@@ -22,6 +23,19 @@ TEST(Ripple, WithoutSecondHarmonicIsTheMeanSine) {
   const RippleWave wave = wave_of({.order = 3.0, .phase = 0.7, .second_sine = 0.0, .second_cosine = 0.0});
   for (const double angle : {-2.0, 0.0, 0.31, 7.0}) {
     EXPECT_NEAR(mean_ripple(wave, angle, 0.05), std::sin(3.0 * angle + 0.7) * std::sin(0.075) / 0.075, 1e-15);
+  }
+}
+
+// (1 + s) and (1 - s) of the wave; the middle group of an odd number has the mean.
+TEST(Ripple, OfAHalfAloneIsSilentInTheOther) {
+  const Ripple ripple{.order = 3.0, .phase = 0.7, .second_sine = 0.4, .second_cosine = -0.2};
+  const double whole = mean_ripple(wave_of(ripple), 0.31, 0.05);
+  const GroupRipples alone = ripples_of_groups(ripple, {.phase_last = 0.7, .share = 1.0}, 2);
+  EXPECT_NEAR(mean_ripple(alone[0], 0.31, 0.05), 2.0 * whole, 1e-15);
+  EXPECT_EQ(mean_ripple(alone[1], 0.31, 0.05), 0.0);
+  const GroupRipples odd = ripples_of_groups(ripple, {.phase_last = 0.7, .share = 0.25}, 3);
+  for (const auto& [group, factor] : {std::pair{0, 1.25}, std::pair{1, 1.0}, std::pair{2, 0.75}}) {
+    EXPECT_NEAR(mean_ripple(odd[static_cast<std::size_t>(group)], 0.31, 0.05), factor * whole, 1e-15) << group;
   }
 }
 
