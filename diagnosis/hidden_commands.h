@@ -20,9 +20,10 @@ namespace slewlab::diagnosis {
 // Whether commands may have come between the rows of a record.
 bool may_hide_commands(std::span<const Record> records, const std::optional<controller::ControllerSettings>& controller);
 
-// In a row, where nobody knows how many. On average n of them act (1 - 1 / n) / 2 of a row ahead of the one that is written: between a quarter, of two, and a half.
+// In a row, where nobody knows how many. On average n of them act (1 - 1 / n) / 2 of a row ahead of the one that is written: between a quarter, of two, and a half. Two are as likely as
+// many, so the ends cost next to nothing: the deviation is half the range.
 inline constexpr int kSomeCommands = 4;
-inline constexpr double kLeadDeviation = 0.072;  // [rows] of that, evenly between those: (1/2 - 1/4) / sqrt(12)
+inline constexpr double kLeadDeviation = 0.125;  // [rows] of that: (1/2 - 1/4) / 2
 
 // Whether a record's commands, as it is judged, could have others between them: not where it has more of them than grid points, or readings between them, or torques that were measured.
 bool can_have_commands_between(const Record& record);

@@ -209,6 +209,8 @@ const std::vector<double>& commands(const Record& record, std::size_t group) {
   return record.recorded_per_point > 1 ? record.recorded_torque[group] : record.motor_torque[group];
 }
 
+bool is_filtered(const Record& record) { return record.recorded_per_point > 1 && record.step > 1.5 * record.encoder_period; }
+
 double command_step(const Record& record) { return record.step / static_cast<double>(record.recorded_per_point); }
 
 void leave_out_beginning(Record& record, std::size_t points) {

@@ -114,6 +114,9 @@ std::size_t reading_stride(const Record& record);
 const std::vector<double>& commands(const Record& record, std::size_t group);
 double command_step(const Record& record);
 
+// Whether encoders and commands hold what is in the band of a grid that is coarser than the readings (judged_grid.h), and no single readings.
+bool is_filtered(const Record& record);
+
 // [rad] Just above 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
 inline constexpr double kCoarseCount = 1.6e-3;
 

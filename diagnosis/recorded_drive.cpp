@@ -138,7 +138,7 @@ void hold_on_grid(DriveCourse& course) {
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {
   DriveCourse course;
   course.per_point = record.recorded_per_point;
-  course.is_filtered = record.recorded_per_point > 1 && record.step > 1.5 * record.encoder_period;
+  course.is_filtered = is_filtered(record);
   const std::size_t groups = static_cast<std::size_t>(record.group_count), count = record.size() * course.per_point;
   for (std::size_t g = 0; g < groups; ++g) {
     course.motor_torque[g].reserve(count);

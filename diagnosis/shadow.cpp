@@ -355,7 +355,7 @@ int steps_of_the_settings(const sim::MachineSettings& machine, double step) { re
 
 bool acts_by_force(std::string_view effect) { return acts_on_any(effect, {sim::EffectPort::force, sim::EffectPort::friction}); }
 
-Grid grid_of(const Record& record) { return {record.step, record.recorded_per_point}; }
+Grid grid_of(const Record& record) { return {record.step, record.recorded_per_point, record.recorded_per_point > 1 && !is_filtered(record)}; }
 
 Follower follower_of(const sim::MachineSettings& settings, const Grid& grid, const ForceSteps& force_steps) {
   const double step = grid.step;
@@ -369,7 +369,7 @@ Follower follower_of(const sim::MachineSettings& settings, const Grid& grid, con
     return true;
   });
   const int of_the_settings = steps_of_the_settings(settings, step);
-  bool takes_commands = false;
+  bool takes_commands = grid.takes_each;
   for (const common::EffectInstance& effect : with_step.effects) {
     if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) {
       takes_commands = true;

@@ -95,13 +95,14 @@ using ForceSteps = std::map<std::string, int, std::less<>>;
 struct Grid {
   double step = 0.0;            // [s]
   std::size_t per_point = 1;    // commands per grid point
+  bool takes_each = false;      // several, between encoders that are read at each point: what they bring the machine to there no mean of them does
   friend bool operator==(const Grid&, const Grid&) = default;
 };
 Grid grid_of(const Record& record);
 
 // A machine that is to follow records on one grid: made once for all of them. Where an effect acts between two readings - on commands, on what
 // the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings; what acts on
-// commands gets each of them.
+// commands gets each of them, and so does every machine where several come between two readings.
 struct Follower {
   sim::Machine machine;
   double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "diagnosis/admit.h"
+#include "diagnosis/decimation.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -120,6 +121,31 @@ TEST(Shadow, ReadingAnEncoderLaterKeepsItsNoise) {
     EXPECT_NEAR(power(0.5 * kPeriod, from, to) / power(0.0, from, to), 1.0, 0.03) << from;
     EXPECT_NEAR(power(-0.3 * kPeriod, from, to) / power(0.0, from, to), 1.0, 0.03) << from;
   }
+}
+
+// Encoders that are read once in so many commands: the machine gets each of these, so that a law of no size, which acts on commands, changes nothing.
+TEST(Shadow, GetsEachCommandBetweenTwoReadings) {
+  constexpr std::size_t kCommands = 20;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  Record record = make_record(simulated_log(nominal, bench().controller, kThereAndBack, 20.0, 4), "a", bench().admission);
+  const std::size_t rows = record.size() / kCommands;
+  const auto thin = [&](std::vector<double>& series) {
+    for (std::size_t n = 0; n < rows && !series.empty(); ++n) series[n] = series[n * kCommands];
+    series.resize(series.empty() ? 0 : rows);
+  };
+  for (std::size_t g = 0; g < 2; ++g) {
+    record.recorded_torque[g].assign(record.motor_torque[g].begin(), record.motor_torque[g].begin() + static_cast<std::ptrdiff_t>(rows * kCommands));
+    record.motor_torque[g] = means(record.recorded_torque[g], kCommands);
+    for (std::vector<double>* series : {&record.shaft_speed[g], &record.shaft_position[g], &record.position_rate[g]}) thin(*series);
+  }
+  for (std::vector<double>& series : record.acceleration) thin(series);
+  record.recorded_per_point = kCommands;
+  record.step = record.encoder_period = kCommands * kStep;
+  sim::MachineSettings with_none = nominal;
+  with_none.effects = {{"uneven_motor_torque", {0.0, 0.0}}};
+  const Shadow alone = shadow(nominal, record, bench_gains()), beside = shadow(with_none, record, bench_gains());
+  for (std::size_t n = 0; n < rows; ++n) ASSERT_NEAR(alone.missing_torque[0][n], beside.missing_torque[0][n], 1e-6) << n;  // [Nm]
 }
 
 // What is missing at the motors is as much more as the drives would deliver where they were told so; what was delivered for it is missing less.
