@@ -17,7 +17,7 @@ void check_groups(const Record& record, const sim::CraneParameters& nominal);
 
 // Torques against what the nominal crane, following the record, needs for the same motion: what its drive makes of the recorded ones
 // + missing (shadow.h), mean of the groups, slower than the structure. Refuses a factor above 3 or below 1/3 between two that go
-// together, a turned sign, of all or of one group, and a command that stands still for `frozen_time` while the need changes by a seventh of its range (half of
+// together, a turned sign, of all or of one group, groups that are exchanged, and a command that stands still for `frozen_time` while the need changes by a seventh of its range (half of
 // it where one group alone stands), once: to a level, of either sign, a controller comes back. Throws NotAdmitted.
 void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal, const AdmissionSettings& settings);
 

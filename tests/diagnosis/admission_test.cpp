@@ -417,6 +417,20 @@ TEST_F(Admission, NamesTheUnitOfAPosition) {
   EXPECT_NE(with_positions(1.0 / bench().admission.total_ratio).find("the position looks like the slew axis's"), std::string::npos) << refusal();
 }
 
+// At a PLC's rate a motor turns many degrees from one reading to the next: that is no counter that was set anew.
+TEST_F(Admission, NamesTheUnitOfAPositionThatIsReadSlowly) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  log_ = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 4, 0.01);
+  scale(log_.encoder, &msgs::Encoder::shaft_position, 180.0 / std::numbers::pi);
+  EXPECT_NE(refusal().find("the position looks like degrees"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesGroupsWhoseTorquesAreExchanged) {
+  for (msgs::Torque& torque : log_.torque) std::swap(torque.motor_torque[0], torque.motor_torque[1]);
+  EXPECT_NE(refusal().find("goes with the torque commands of group 2"), std::string::npos) << refusal();
+}
+
 TEST_F(Admission, NamesTheUnitOfAnAcceleration) {
   for (msgs::Sensors& sensors : log_.sensors) sensors.tip_acceleration /= 9.81;
   EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
@@ -434,6 +448,7 @@ TEST_F(Admission, NamesTheSignAndUnitOfTheCommands) {
   };
   EXPECT_NE(with_torques(-1.0).find("its sign is turned"), std::string::npos) << refusal();
   EXPECT_NE(with_torques(1e-3).find("it looks like kN m"), std::string::npos) << refusal();
+  EXPECT_NE(with_torques(3.0).find("it looks like the sum over a group's 3 motors"), std::string::npos) << refusal();
   EXPECT_NE(with_torques(6.0).find("it looks like the sum over all 6 motors"), std::string::npos) << refusal();
   // Half or twice the torque may be a crane's own: another inertia.
   EXPECT_EQ(with_torques(0.5), "");
