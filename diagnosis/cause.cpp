@@ -89,6 +89,10 @@ Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& resu
   cause.information = result.information;
   cause.ending = result.ending;
   cause.sizes = sizes_of(catalogue, result.point.effects, result.deviation);
+  for (std::size_t k = 0; k < result.nuisance_deviation.size(); ++k) {
+    const double amount = result.point.nuisance[k], reach = kNinetyPercent * kCurvatureFactor * result.nuisance_deviation[k];
+    cause.parameter_intervals.push_back({amount - reach, amount + reach});
+  }
   return cause;
 }
 

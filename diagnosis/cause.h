@@ -40,6 +40,7 @@ struct Cause {
   Ending ending = Ending::settled;     // why its fit ended
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
+  std::vector<AmountInterval> parameter_intervals;          // of its nuisance parameters
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
   std::vector<Alike> group;
   std::vector<std::vector<std::string>> also;  // effects that move the machine just as its own do: one answer

@@ -602,6 +602,8 @@ void conclude(const Problem& problem, FitResult& result) {
   result.information = information_of(result.columns);
   const Eigen::VectorXd variance = covariance(problem, result.point, result.difference, result.columns).diagonal();
   auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
+  result.nuisance_deviation.clear();
+  for (Eigen::Index k = 0; k < e; ++k) result.nuisance_deviation.push_back(std::sqrt(variance(k)));
   result.deviation.clear();
   for (const common::EffectInstance& effect : result.point.effects) {
     const common::EffectAbout& about = problem.catalogue.at(effect.name);

@@ -59,7 +59,8 @@ struct FitResult {
   Ending ending = Ending::settled;   // of the last descent
   double mean_square = 0.0;          // of the differences
   double residual_power = 0.0;
-  std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
+  std::vector<double> nuisance_deviation;  // of each nuisance parameter, in standard deviations of its prior; from the curvature
+  std::vector<double> deviation;     // of each effect parameter in order, in its own unit; the same
   int idle_rounds = 0;               // of its last rounds with fresh columns: they were worth little
   double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
   double cost_elsewhere = std::numeric_limits<double>::infinity();  // and from typical shapes

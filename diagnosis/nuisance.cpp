@@ -113,14 +113,23 @@ sim::CraneParameters with_nuisances(const Nuisances& nuisances, sim::CraneParame
 }
 
 std::string parameters_text(const Nuisances& nuisances, const sim::CraneParameters& nominal, const std::vector<double>& amount,
-                            std::string_view source) {
+                            std::span<const AmountInterval> intervals, std::string_view source) {
   sim::CraneParameters machine = with_nuisances(nuisances, nominal, amount);
+  const auto moved_to = [&](std::size_t k, double to) {
+    std::vector<double> moved = amount;
+    moved[k] = to;
+    return with_nuisances(nuisances, nominal, moved);
+  };
   std::map<std::string_view, std::string> sections;
   for (std::size_t k = 0; k < nuisances.parameters.size() && k < amount.size(); ++k) {
     if (amount[k] == 0.0) continue;
     const sim::Parameter& parameter = nuisances.parameters[k];
     for (const sim::FileNumber& number : parameter.numbers) {
-      const std::string origin = fmt::format("{}, {:+.1f} %", source, 100.0 * parameter.spread * amount[k]);
+      std::string origin = fmt::format("{}, {:+.1f} %", source, 100.0 * parameter.spread * amount[k]);
+      if (k < intervals.size()) {
+        sim::CraneParameters low = moved_to(k, intervals[k].low), high = moved_to(k, intervals[k].high);
+        origin += fmt::format("; 90 %: {:.4g} to {:.4g}", number.of(low), number.of(high));
+      }
       sections[number.section] +=
           fmt::format("  {}: {}\n", number.key, common::quantity_text(common::shortest(number.of(machine)), number.unit, origin));
     }

@@ -11,6 +11,7 @@
 // a cause that pushes the load.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,9 +64,13 @@ double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount
 // The nominal machine with every parameter moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(const Nuisances& nuisances, sim::CraneParameters machine, const std::vector<double>& amount);
 
-// The numbers that differ from the nominal machine's, as sections of a file that is laid over its own.
+struct AmountInterval {
+  double low = 0.0, high = 0.0;  // [standard deviations] 90 %
+};
+
+// The numbers that differ from the nominal machine's, as sections of a file that is laid over its own, each with its interval where there is one.
 std::string parameters_text(const Nuisances& nuisances, const sim::CraneParameters& nominal, const std::vector<double>& amount,
-                            std::string_view source);
+                            std::span<const AmountInterval> intervals, std::string_view source);
 
 // -2 ln of a prior, without its constant, and its part in Gauss-Newton steps: half its slope, and a curvature that
 // never overshoots.

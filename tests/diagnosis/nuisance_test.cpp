@@ -1,7 +1,9 @@
 #include "diagnosis/nuisance.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -83,7 +85,9 @@ TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
   const Nuisances nuisances = thesis_nuisances();
   std::vector<double> amount(nuisances.count(1), 0.0);
   for (std::size_t k = 1; k < nuisances.parameters.size(); ++k) amount[k] = 0.1 * static_cast<double>(k) - 0.85;
-  const std::string text = parameters_text(nuisances, nominal, amount, "test");
+  std::vector<AmountInterval> intervals;
+  for (const double one : amount) intervals.push_back({one - 0.5, one + 1.0});
+  const std::string text = parameters_text(nuisances, nominal, amount, intervals, "test");
   EXPECT_EQ(text.find("motor_inertia"), std::string::npos);
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "crane.yaml";
@@ -92,6 +96,11 @@ TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
   for (const sim::Parameter& parameter : nuisances.parameters) {
     for (const sim::FileNumber& number : parameter.numbers) EXPECT_EQ(number.of(read), number.of(meant)) << number.key;
   }
+  // Each with its interval in its own unit: half a standard deviation of the spread below, a whole one above.
+  const auto load = std::find_if(nuisances.parameters.begin(), nuisances.parameters.end(), [](const sim::Parameter& one) { return one.name == "load mass"; });
+  ASSERT_NE(load, nuisances.parameters.end());
+  const double at = amount[static_cast<std::size_t>(load - nuisances.parameters.begin())], mass = nominal.load.mass;
+  EXPECT_NE(text.find(fmt::format("; 90 %: {:.4g} to {:.4g}\"", mass * (1.0 + load->spread * (at - 0.5)), mass * (1.0 + load->spread * (at + 1.0)))), std::string::npos) << text;
 }
 
 TEST(Nuisance, LatencyComesBehindTheParameters) {

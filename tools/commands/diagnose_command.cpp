@@ -108,7 +108,10 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
   }
   if (cause.validation) json["validation"] = to_json(*cause.validation);
   for (std::size_t k = 0; k < std::min(parameters.size(), cause.point.nuisance.size()); ++k) {
-    json["parameters"][std::string(parameters[k].name)] = 1.0 + parameters[k].spread * cause.point.nuisance[k];
+    const std::string name(parameters[k].name);
+    const auto factor = [&](double amount) { return 1.0 + parameters[k].spread * amount; };
+    json["parameters"][name] = factor(cause.point.nuisance[k]);
+    if (k < cause.parameter_intervals.size()) json["parameter_intervals"][name] = {factor(cause.parameter_intervals[k].low), factor(cause.parameter_intervals[k].high)};
   }
   return json;
 }
@@ -602,7 +605,7 @@ void write_machines(const Made& made, FindingsFolder& findings) {
   findings.write("crane_with_effect.yaml", crane_text(made));
   findings.write("crane_as_fitted.yaml",
                  "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
-                     diagnosis::parameters_text(made.found.nuisances, made.nominal.crane, made.answer.point.nuisance, "slewlab diagnose"));
+                     diagnosis::parameters_text(made.found.nuisances, made.nominal.crane, made.answer.point.nuisance, made.answer.parameter_intervals, "slewlab diagnose"));
   std::filesystem::remove(made.options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
   if (made.answer.controller_effects.empty()) return;
   findings.write("controller_with_effect.yaml",
