@@ -183,10 +183,11 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   const bool is_nothing_left = found.nothing.mean_square <= 1.0 && are_parameters_likely && is_machine_all;
   if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   doubt_what_no_machine_has(problem.catalogue, problem.nuisances, is_nominal_enough, is_nothing_left, ranking, diagnosis.remarks);
+  Validator validator(problem, whitening, controller, found.nothing.point, are_parameters_likely);
   const auto validate = [&] {
     if (!settings.hold_out || ranking.causes.empty()) return;
     tell(kHoldOut.from, "fitting without the last record");
-    std::optional<HeldOut> held_out = validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, ranking, diagnosis.remarks);
+    std::optional<HeldOut> held_out = validator.validate_lead(ranking, diagnosis.remarks);
     if (held_out) diagnosis.held_out = std::move(held_out);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   };
@@ -201,6 +202,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   validate();  // whatever leads now may have been asked nothing yet
   calibrate_lead(ranking);
   sort_causes(ranking.causes);
+  if (settings.hold_out) validator.validate_others(ranking);
   const Hidden hidden = hidden_effects(problem.catalogue, searched.screening.tried, static_cast<int>(searched.screening.names.size()), evidence);
   diagnosis.probability_hidden = leave_room_for_the_hidden(hidden, ranking);
   diagnosis.causes = std::move(ranking.causes);

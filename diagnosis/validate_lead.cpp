@@ -14,61 +14,87 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kMostValidated = 4;  // causes that are asked to predict before none is believed
+constexpr double kWorthReading = 0.05;  // probability from which a cause behind the lead is asked as well; chosen
+
+ValidationError on_both(const std::vector<ValidationError>& errors) { return together(errors[0], errors[1]); }
 
 }  // namespace
 
-std::optional<HeldOut> validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const Point& parameters_of_all,
-                                     bool are_parameters_likely, Ranking& ranking, std::vector<std::string>& remarks) {
-  std::optional<HeldOut> held_out;
-  std::vector<HeldOutData> parts;  // held out each in its turn, once there is a lead to ask
-  std::vector<Point> parameters_points;               // of each part
-  std::vector<ValidationError> nominal, parameters;  // on each part
-  const auto on_both = [](const std::vector<ValidationError>& errors) { return together(errors[0], errors[1]); };
+Validator::Validator(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, Point parameters_of_all, bool are_parameters_likely)
+    : problem_(problem), whitening_(whitening), controller_(controller), parameters_of_all_(std::move(parameters_of_all)), are_parameters_likely_(are_parameters_likely) {}
+
+void Validator::make_parts() {
+  if (!parts_.empty()) return;
+  for (const HeldOutPart held : {HeldOutPart::last, HeldOutPart::first}) parts_.emplace_back(problem_, whitening_, held);
+  for (HeldOutData& data : parts_) {
+    const HeldOut fitted = data.fit(parameters_of_all_);
+    nominal_.push_back(data.error({}, controller_));
+    parameters_.push_back(data.error(fitted, controller_));
+    parameters_points_.push_back(fitted.point);
+  }
+}
+
+bool Validator::is_nothing_left() const { return are_parameters_likely_ && std::min(on_both(nominal_).residual_ratio, on_both(parameters_).residual_ratio) <= 1.0; }
+
+// Puts what the parts have simulated to the problem's count.
+void Validator::count() {
+  std::int64_t simulations = 0, simulation_time = 0;
+  for (const HeldOutData& data : parts_) {
+    simulations += data.simulations();
+    simulation_time += data.simulation_time();
+  }
+  problem_.simulations += simulations - std::exchange(simulations_, simulations);
+  problem_.simulation_time += simulation_time - std::exchange(simulation_time_, simulation_time);
+}
+
+// `part` is what of the cause's machine can be fitted again.
+Validator::Predicted Validator::predict(const Cause& cause, const Point& part) {
+  make_parts();
+  const bool is_said_by_parameters =
+      !are_parameters_likely_ && std::all_of(part.effects.begin(), part.effects.end(), [&](const common::EffectInstance& effect) {
+        return !problem_.catalogue.at(effect.name).stands_for.empty();
+      });
+  // Of a draw only the power is fitted again, not its shape (how long a burst lasts): the last part alone is asked.
+  const bool has_draws = !stochastic_part(problem_.catalogue, part).empty();
+  Predicted predicted;
+  std::vector<HeldOut>& fitted = predicted.fitted;
+  for (HeldOutData& data : parts_) {
+    if (fitted.empty() || !has_draws) fitted.push_back(data.fit(part));
+  }
+  Validation& validation = predicted.validation;
+  validation.nominal = has_draws ? nominal_[0] : on_both(nominal_);
+  validation.parameters = has_draws ? parameters_[0] : on_both(parameters_);
+  std::optional<controller::ControllerSettings> with = controller_;
+  if (with) with = controller::with_effects(*controller_, cause.controller_effects);
+  validation.cause = parts_[0].error(fitted[0], with);
+  if (has_draws) {
+    const Point rest = without_stochastic(problem_.catalogue, fitted[0].point);
+    validation.unknown_cost = std::min(parts_[0].unknown_cost(rest), parts_[0].unknown_cost(parameters_points_[0]));
+  } else {
+    validation.cause = together(validation.cause, parts_[1].error(fitted[1], with));
+  }
+  validation.is_said_by_parameters = is_said_by_parameters;
+  validation.holds = holds(validation, is_said_by_parameters);
+  count();
+  return predicted;
+}
+
+std::optional<HeldOut> Validator::validate_lead(Ranking& ranking, std::vector<std::string>& remarks) {
   for (int tried = 0;; ++tried) {
     sort_causes(ranking.causes);
     Cause& lead = ranking.causes.front();
-    if (lead.effects.empty() || lead.validation || kOutsideTheCatalogue * ranking.unknown > lead.probability) break;
-    const std::optional<Point> part = fitted_part(problem.catalogue, lead.point);
-    if (!part) break;
-    if (parts.empty()) {
-      for (const HeldOutPart held : {HeldOutPart::last, HeldOutPart::first}) parts.emplace_back(problem, whitening, held);
-      for (HeldOutData& data : parts) {
-        const HeldOut fitted = data.fit(parameters_of_all);
-        nominal.push_back(data.error({}, controller));
-        parameters.push_back(data.error(fitted, controller));
-        parameters_points.push_back(fitted.point);
-      }
-    }
-    const bool is_nothing_left = are_parameters_likely && std::min(on_both(nominal).residual_ratio, on_both(parameters).residual_ratio) <= 1.0;
-    const bool is_said_by_parameters =
-        !are_parameters_likely && std::all_of(part->effects.begin(), part->effects.end(), [&](const common::EffectInstance& effect) {
-          return !problem.catalogue.at(effect.name).stands_for.empty();
-        });
+    if (lead.effects.empty() || lead.validation || kOutsideTheCatalogue * ranking.unknown > lead.probability) return std::nullopt;
+    const std::optional<Point> part = fitted_part(problem_.catalogue, lead.point);
+    if (!part) return std::nullopt;
     if (tried == kMostValidated) {
       for (Cause& cause : ranking.causes) {
-        if (!cause.effects.empty()) take_away(1.0, is_nothing_left, cause, ranking);
+        if (!cause.effects.empty()) take_away(1.0, is_nothing_left(), cause, ranking);
       }
       remarks.push_back("no cause that was tried predicts data that were not fitted better than the nominal machine");
       continue;
     }
-    // Of a draw only the power is fitted again, not its shape (how long a burst lasts): the last part alone is asked.
-    const bool has_draws = !stochastic_part(problem.catalogue, *part).empty();
-    std::vector<HeldOut> fitted;
-    for (HeldOutData& data : parts) {
-      if (fitted.empty() || !has_draws) fitted.push_back(data.fit(*part));
-    }
-    Validation validation{has_draws ? nominal[0] : on_both(nominal), has_draws ? parameters[0] : on_both(parameters), {}, {}, false};
-    std::optional<controller::ControllerSettings> with = controller;
-    if (with) with = controller::with_effects(*controller, lead.controller_effects);
-    validation.cause = parts[0].error(fitted[0], with);
-    if (has_draws) {
-      const Point rest = without_stochastic(problem.catalogue, fitted[0].point);
-      validation.unknown_cost = std::min(parts[0].unknown_cost(rest), parts[0].unknown_cost(parameters_points[0]));
-    } else {
-      validation.cause = together(validation.cause, parts[1].error(fitted[1], with));
-    }
-    validation.is_said_by_parameters = is_said_by_parameters;
-    validation.holds = holds(validation, is_said_by_parameters);
+    Predicted predicted = predict(lead, *part);
+    const Validation& validation = predicted.validation;
     lead.validation = validation;
     if (validation.holds) {
       const std::optional<double> before = validation.parameters.closed_loop, after = validation.cause.closed_loop;
@@ -77,21 +103,21 @@ std::optional<HeldOut> validate_lead(Problem& problem, const WhiteningSettings& 
                                                 "is led along the record, the residual variance ratio is {:.2g} and not {:.2g}",
                                                 name_of(lead), *after, *before, validation.cause.residual_ratio, validation.parameters.residual_ratio));
       }
-      held_out = std::move(fitted.front());
-      break;
+      return std::move(predicted.fitted.front());
     }
-    const bool is_better_without_stochastic = validation.unknown_cost && !is_nothing_left;
-    if (is_better_without_stochastic) {
-      hand_on(1.0, [&](const std::string& effect) { return is_stochastic(problem.catalogue, effect); }, false, lead, ranking);
+    if (validation.unknown_cost && !is_nothing_left()) {
+      hand_on(1.0, [&](const std::string& effect) { return is_stochastic(problem_.catalogue, effect); }, false, lead, ranking);
     } else {
-      take_away(1.0, is_nothing_left, lead, ranking);
+      take_away(1.0, is_nothing_left(), lead, ranking);
     }
   }
-  for (const HeldOutData& data : parts) {
-    problem.simulations += data.simulations();
-    problem.simulation_time += data.simulation_time();
+}
+
+void Validator::validate_others(Ranking& ranking) {
+  for (Cause& cause : ranking.causes) {
+    if (cause.effects.empty() || cause.validation || cause.probability < kWorthReading) continue;
+    if (const std::optional<Point> part = fitted_part(problem_.catalogue, cause.point)) cause.validation = predict(cause, *part).validation;
   }
-  return held_out;
 }
 
 }  // namespace slewlab::diagnosis

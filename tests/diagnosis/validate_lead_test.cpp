@@ -34,9 +34,11 @@ struct Asked {
     parameters = fit_nuisances(problem, nominal_fit(problem)).point;
     validate();
   }
-  void validate() { held_out = validate_lead(problem, problem.thresholds.whitening, bench().controller, parameters, true, ranking, remarks); }
+  Validator validator() { return {problem, problem.thresholds.whitening, controller, parameters, true}; }
+  void validate() { held_out = validator().validate_lead(ranking, remarks); }
 
   BenchProblem problem;
+  std::optional<controller::ControllerSettings> controller = bench().controller;
   Point parameters;
   Ranking ranking;
   std::vector<std::string> remarks;
@@ -87,6 +89,22 @@ TEST(ValidateLead, AsksWhatLeadsLater) {
   const auto later = std::find_if(asked.ranking.causes.begin(), asked.ranking.causes.end(), [](const Cause& cause) { return cause.effects.size() == 2; });
   ASSERT_NE(later, asked.ranking.causes.end());
   EXPECT_TRUE(later->validation);
+}
+
+// What stands behind the lead and is likely enough to be read is asked too, and keeps its probability.
+TEST(ValidateLead, AsksTheOthersThatAreRead) {
+  Asked asked({kFriction});
+  asked.ranking.causes = {cause_of({kFriction}, 0.7), cause_of({kPlay}, 0.2), cause_of({}, 0.08), cause_of({kFriction, kPlay}, 0.02)};
+  const std::int64_t before = asked.problem.simulations;
+  asked.validator().validate_others(asked.ranking);
+  const std::vector<Cause>& causes = asked.ranking.causes;
+  ASSERT_TRUE(causes[0].validation && causes[1].validation);
+  EXPECT_TRUE(causes[0].validation->holds);
+  EXPECT_FALSE(causes[1].validation->holds);
+  EXPECT_EQ(causes[1].probability, 0.2);
+  EXPECT_FALSE(causes[2].validation);
+  EXPECT_FALSE(causes[3].validation);
+  EXPECT_GT(asked.problem.simulations, before);
 }
 
 }  // namespace

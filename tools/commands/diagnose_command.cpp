@@ -369,6 +369,9 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
     }
     if (cause.effects.empty() && !diagnosis.gap) {
       out << fmt::format("  {:5.1f} %  nothing is missing: the nominal machine, its parameters within their spread\n", 100 * cause.probability);
+    } else if (cause.effects.empty()) {  // the gap is what they leave
+      out << fmt::format("  {:5.1f} %  {} (residual variance ratio on the fitted records: nominal {:.4g}, with them {:.3g})\n", 100 * cause.probability, told_name(cause), diagnosis.mean_square_nominal,
+                         cause.mean_square);
     } else {
       out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, told_name(cause), 100 * cause.explained);
     }
