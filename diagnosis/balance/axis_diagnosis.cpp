@@ -212,7 +212,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const std::vect
     diagnosis.validation.place = last.name + ", second half";
   }
   const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
-  const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.late_times);
+  const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.lateness);
   BalanceAnswer no_laws = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed);
   const BalanceModel inertia_alone = no_laws.best;
   diagnosis.is_below_record = diagnosis.is_described || is_below_record(records, smooth, balance, bare(nominal_inertia, inertia_alone.skew));
@@ -240,7 +240,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const std::vect
 
 // The answer, fitted to all logs, on one that had no part in it.
 AxisValidation tried_on(const AxisRecord& record, const Balance& balance, const BalanceModel& inertia_alone, const AxisDiagnosis& diagnosis) {
-  const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.late_times);
+  const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.lateness);
   AxisValidation validation;
   validation.place = record.name;
   validation.nominal = error_of(record, smooth, balance, bare(diagnosis.nominal_inertia, inertia_alone.skew));
@@ -297,12 +297,12 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
   sim::BalanceEffects found = sim::effects_of_balance(
       {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : offset, .offset = is_named("offset") ? offset : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
-       .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position, .lag = size("lag")},
+       .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position, .lag = size("lag"), .delay = size("delay")},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.named()) {
-    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity", "lag"};
+    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity", "lag", "delay"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
   }
@@ -707,7 +707,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     });
     diagnosis.laws = balance.laws;
     diagnosis.half_window = balance.half_window;
-    diagnosis.late_times = balance.late_times;
+    diagnosis.lateness = balance.lateness;
     if (axis.axis.is_linear) {
       for (BalanceLaw& law : balance.laws) law.words = of_a_linear_axis(std::move(law.words));
       diagnosis.laws = balance.laws;

@@ -98,7 +98,7 @@ struct AxisDiagnosis {
   std::vector<AxisSeries> series;               // per record
   std::vector<BalanceLaw> laws;                 // that were tried, in units of the axis
   std::size_t half_window = 0;                  // [samples] of the balance
-  std::vector<double> late_times;               // [s] of the lags that were tried
+  std::vector<Lateness> lateness;               // that was tried
 };
 
 // `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. `unseen`: logs that the answer is tried on and that

@@ -85,19 +85,22 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
     warming.shapes.push_back({time, {[direction, time](const LawMoment& m) { return direction(m) * std::exp(-m.time / time); }}});
   }
   laws.push_back(std::move(warming));
-  // What a first-order lag withholds; its size is the lag where the shape's time constant is.
-  BalanceLaw lag{"lag", LawFamily::drive, "torque that comes late", {}, true, "", false};
-  for (std::size_t k = 0; k < scales.late_times.size(); ++k) {
-    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * scales.late_times[k], false,
-                          static_cast<int>(k)});
+  // What comes late withholds; the size is the lag, or the delay, where the shape's time is. Of slow efforts both are the same.
+  BalanceLaw lag{"lag", LawFamily::drive, "torque that comes late", {}, true, "", false, "delay"};
+  BalanceLaw delay{"delay", LawFamily::drive, "torque that comes a fixed time late", {}, true, "", false, "lag"};
+  for (std::size_t k = 0; k < scales.lateness.size(); ++k) {
+    const auto [time, is_delay] = scales.lateness[k];
+    (is_delay ? delay : lag).shapes.push_back({time, {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * time, false, static_cast<int>(k)});
   }
-  if (!lag.shapes.empty()) laws.push_back(std::move(lag));
+  for (BalanceLaw* law : {&lag, &delay}) {
+    if (!law->shapes.empty()) laws.push_back(std::move(*law));
+  }
   return laws;
 }
 
 std::vector<std::string> balance_law_names() {
   // Fast enough, far enough and known well enough for every law.
-  const BalanceScales all{.top_speed = 1.0, .resolved_speed = 0.0, .duration = 1.0, .middle_position = 0.0, .half_range = 1.0, .late_times = {1.0}};
+  const BalanceScales all{.top_speed = 1.0, .resolved_speed = 0.0, .duration = 1.0, .middle_position = 0.0, .half_range = 1.0, .lateness = {{1.0, false}, {1.0, true}}};
   std::vector<std::string> names;
   for (const bool is_rotary : {true, false}) {
     BalanceScales scales = all;

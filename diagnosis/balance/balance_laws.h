@@ -4,7 +4,7 @@
 //
 // Dry friction sign(q'), viscous friction q' with half a difference of the directions |q'|, a constant; friction with a breakaway value
 // (Stribeck) sign(q') exp(-(q' / v)^2), rising friction sign(q') (1 - exp(-|q'| / v)); drag q' |q'|; friction and load over the position;
-// gravity sin q, cos q; friction that falls as exp(-t / T); what a first-order lag withholds of the effort. Shapes (v, T, the lag's time) stand
+// gravity sin q, cos q; friction that falls as exp(-t / T); what a first-order lag, or a delay, withholds of the effort. Shapes (v, T, the lateness) stand
 // on grids of shares of the axis's top speed, of the records' duration and of the motion's time.
 //
 // Records of one direction tell no difference of directions, and a constant against the motion is dry friction there: one law of two names. A constant
@@ -43,7 +43,7 @@ struct LawShape {
   double largest = std::numeric_limits<double>::infinity();  // that the first size can be
   bool is_leaning = false;                                   // the second size is half a difference of the directions: no more than the first;
                                                              // it has a prior of its own, so records need not tell it
-  int late = -1;                                             // its column is what this lag withholds (BalanceScales::late_times); -1: none
+  int late = -1;                                             // its column is what this lateness withholds (BalanceScales::lateness); -1: none
   double least = -std::numeric_limits<double>::infinity();   // that the first size can be, of a law that is not dissipative
 };
 
@@ -55,7 +55,7 @@ struct BalanceLaw {
   bool is_dissipative = false;       // its first size cannot be negative
   std::string needs;                 // name of the law of which this is a detail; empty: stands alone
   bool is_ordinary = false;          // nearly every machine has it: tried before the others, which bend the residual of these
-  std::string instead_of;            // name of the law that is the same motion in these records: no answer has both; empty: none is
+  std::string instead_of = {};       // name of the law that is the same motion in these records: no answer has both; empty: none is
 };
 
 // What the laws are scaled by. `resolved_speed`: below it the direction of motion is not known.
@@ -66,7 +66,7 @@ struct BalanceScales {
   double middle_position = 0.0, half_range = 0.0;
   bool is_rotary = true;
   int direction = 0;            // 1, -1: all records move this way alone; 0: both ways
-  std::vector<double> late_times;  // [s] of lags that are tried
+  std::vector<Lateness> lateness = {};  // that is tried
 };
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales);
 // Names of all of them, whatever the axis.

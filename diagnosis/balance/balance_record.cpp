@@ -76,7 +76,7 @@ std::vector<double> about_the_samples(std::vector<double> held) {
 }
 
 // (F - F_late) / lag, of F_late' = (F - F_late) / lag its mean from each sample to the next, exact for what is held.
-std::vector<double> withheld(const std::vector<double>& effort, double step, double lag) {
+std::vector<double> withheld_by_lag(const std::vector<double>& effort, double step, double lag) {
   const double fall = -std::expm1(-step / lag);
   std::vector<double> rest(effort.size());
   double late = effort.front();
@@ -85,6 +85,22 @@ std::vector<double> withheld(const std::vector<double>& effort, double step, dou
     late += fall * (effort[n] - late);
   }
   return rest;
+}
+
+// (F - F_late) / delay, of F_late the effort a delay ago its mean from each sample to the next, exact for what is held.
+std::vector<double> withheld_by_delay(const std::vector<double>& effort, double step, double delay) {
+  const auto whole = static_cast<std::size_t>(delay / step);
+  const double part = delay / step - static_cast<double>(whole);
+  std::vector<double> rest(effort.size());
+  for (std::size_t n = 0; n < effort.size(); ++n) {
+    const double newer = effort[n - std::min(n, whole)], older = effort[n - std::min(n, whole + 1)];
+    rest[n] = (effort[n] - (1.0 - part) * newer - part * older) / delay;
+  }
+  return rest;
+}
+
+std::vector<double> withheld(const std::vector<double>& effort, double step, const Lateness& lateness) {
+  return lateness.is_delay ? withheld_by_delay(effort, step, lateness.time) : withheld_by_lag(effort, step, lateness.time);
 }
 
 // Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance; a smooth series has next to none.
@@ -147,7 +163,7 @@ std::size_t balance_half_window(const AxisRecord& record, double inertia, double
   return half;
 }
 
-BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times) {
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<Lateness>& lateness) {
   const std::size_t window = 2 * half_window + 1;
   if (record.position.size() < kLeastWindows * window || record.effort.size() != record.position.size()) {
     throw std::invalid_argument(record.name + ": the record is too short for a torque balance");
@@ -170,11 +186,11 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   const std::vector<double> effort = about_the_samples(record.effort);
   balance.motion.effort_rate = derived(effort, motion_half, 1, record.step);
   balance.effort = inner(balance_smoothed(effort, half_window));
-  balance.motion.late_count = late_times.size();
-  balance.motion.late.resize(late_times.size() * balance.motion.position.size());
-  for (std::size_t k = 0; k < late_times.size(); ++k) {
-    const std::vector<double> late = about_the_samples(withheld(record.effort, record.step, late_times[k]));
-    for (std::size_t n = 0; n < balance.motion.position.size(); ++n) balance.motion.late[n * late_times.size() + k] = late[n + motion_half];
+  balance.motion.late_count = lateness.size();
+  balance.motion.late.resize(lateness.size() * balance.motion.position.size());
+  for (std::size_t k = 0; k < lateness.size(); ++k) {
+    const std::vector<double> late = about_the_samples(withheld(record.effort, record.step, lateness[k]));
+    for (std::size_t n = 0; n < balance.motion.position.size(); ++n) balance.motion.late[n * lateness.size() + k] = late[n + motion_half];
   }
   const auto times = [&](std::size_t count, std::size_t first) {
     std::vector<double> time(count);
@@ -186,14 +202,15 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   return balance;
 }
 
-std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times) {
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<Lateness>& lateness) {
   constexpr double kTail = 5.0;  // time constants after which a lag has forgotten the sample
-  const double longest = late_times.empty() ? 0.0 : *std::max_element(late_times.begin(), late_times.end());
+  double longest = 0.0;
+  for (const Lateness& one : lateness) longest = std::max(longest, one.time);
   const std::size_t before = 2 * half_window + 2;
   std::vector<double> sample(2 * before + static_cast<std::size_t>(kTail * longest / step), 0.0);
   sample[before] = 1.0;
   std::vector<std::vector<double>> answers{balance_smoothed(about_the_samples(sample), half_window)};
-  for (const double time : late_times) answers.push_back(balance_smoothed(about_the_samples(withheld(sample, step, time)), half_window));
+  for (const Lateness& one : lateness) answers.push_back(balance_smoothed(about_the_samples(withheld(sample, step, one)), half_window));
   std::vector<double> products;
   for (const std::vector<double>& one : answers) {
     for (const std::vector<double>& other : answers) products.push_back(std::inner_product(one.begin(), one.end(), other.begin(), 0.0));

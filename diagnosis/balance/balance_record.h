@@ -26,12 +26,18 @@ struct AxisRecord {
   std::vector<double> load{};     // of the effort, what is not the motors': loads, forces and frictions of the axis's file; empty: nothing
 };
 
+// How an effort comes late: as a first-order lag has it, or all of it a fixed time after its command.
+struct Lateness {
+  double time = 0.0;  // [s] the lag's time constant, or the delay
+  bool is_delay = false;
+};
+
 // What laws are evaluated on: the motion under a window half as long as the balance's, so that a reversal stays sharp.
 struct BalanceMotion {
   std::vector<double> time;  // [s] since the record's beginning
   std::vector<double> position, speed;
   std::vector<double> effort_rate;  // of the commanded effort, per second
-  // For each of some time constants: what a first-order lag of it withholds of the effort, per second of it; sample by sample.
+  // For each lateness that is tried: what it withholds of the effort, per second of its time; sample by sample.
   std::size_t late_count = 0;
   std::vector<double> late;
 };
@@ -45,7 +51,7 @@ struct BalanceRecord {
   BalanceMotion motion;
   std::vector<double> time, position, speed, acceleration, effort;
   double speed_noise = 0.0;     // standard deviation, of the motion's speed
-  // What white noise of the efforts makes under the filter: products per sample of the effort (first) and of what each lag withholds of it, row by row.
+  // What white noise of the efforts makes under the filter: products per sample of the effort (first) and of what each lateness withholds of it, row by row.
   std::vector<double> noise_products;
 };
 
@@ -69,11 +75,11 @@ inline constexpr std::size_t kFewestHalf = 3;  // [samples]: a cubic over seven
 // Half of the window that the noise asks for, at least kFewestHalf samples, at most `longest` [s].
 std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest);
 
-// `late_times` [s]: time constants of the lags that laws ask for. Throws std::invalid_argument where the record is shorter than four windows.
-BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times = {});
+// `lateness`: what laws ask for. Throws std::invalid_argument where the record is shorter than four windows.
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<Lateness>& lateness = {});
 
 // BalanceRecord::noise_products for white noise of 1 in the efforts, `step` [s] apart: by the answer to a single sample of 1.
-std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times);
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<Lateness>& lateness);
 
 // The filter of the balance on a series along the motion.
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);

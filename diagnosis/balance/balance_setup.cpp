@@ -13,7 +13,7 @@ constexpr double kResolved = 2e-3;      // of top speed, below which no friction
 constexpr double kNoises = 3.0;         // standard deviations of the speed's noise, likewise
 constexpr double kFewMoves = 0.01;      // of a record, by which it moves in a direction; chosen
 constexpr double kShortestLate = 1.5;   // [samples], below which a recorder's skew is as likely
-// Lags that are tried, of the time in which the axis changes its speed; evenly in the logarithm.
+// Lags and delays that are tried, of the time in which the axis changes its speed; evenly in the logarithm.
 constexpr double kLateShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36, 0.5};
 
 // [s] in which the axis changes its speed: RMS of the speed over that of the acceleration, without what noise of the positions makes of it.
@@ -71,10 +71,12 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
   scales.half_range = 0.5 * (high - low);
   scales.is_rotary = is_rotary;
   const double motion_time = acceleration > 0.0 ? std::sqrt(speed / acceleration) : 0.0;
-  for (const double share : kLateShares) {
-    if (share * motion_time > kShortestLate * step) balance.late_times.push_back(share * motion_time);
+  for (const bool is_delay : {false, true}) {
+    for (const double share : kLateShares) {
+      if (share * motion_time > kShortestLate * step) balance.lateness.push_back({share * motion_time, is_delay});
+    }
   }
-  scales.late_times = balance.late_times;
+  scales.lateness = balance.lateness;
   balance.laws = balance_laws(scales);
   return balance;
 }
@@ -87,10 +89,10 @@ bool moves_along(const BalanceRecord& record, int direction, double resolved_spe
 std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
   std::vector<BalanceRecord> all;
   for (const AxisRecord& record : records) {
-    all.push_back(make_balance_record(record, balance.half_window, balance.late_times));
+    all.push_back(make_balance_record(record, balance.half_window, balance.lateness));
     const double noise = effort_noise(record.effort);
     if (!(noise > 0.0)) continue;
-    all.back().noise_products = effort_noise_products(record.step, balance.half_window, balance.late_times);
+    all.back().noise_products = effort_noise_products(record.step, balance.half_window, balance.lateness);
     for (double& product : all.back().noise_products) product *= noise * noise;
   }
   return all;

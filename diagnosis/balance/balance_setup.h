@@ -21,7 +21,7 @@ struct Balance {
   std::size_t half_window = 0;  // [samples]
   double resolved_speed = 0.0;
   int direction = 0;  // BalanceScales::direction
-  std::vector<double> late_times;  // [s] of lags that are tried
+  std::vector<Lateness> lateness;  // that is tried
   std::vector<BalanceLaw> laws;
 };
 // `inertia` and `top_speed` are the nominal axis's. Throws std::invalid_argument where a record is too short.

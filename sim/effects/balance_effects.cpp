@@ -61,6 +61,7 @@ BalanceEffects effects_of_balance(const BalanceSizes& sizes, const common::Effec
     add("tilted_axis", {{"torque", std::hypot(sizes.gravity_sine, sizes.gravity_cosine)}, {"direction", std::remainder(direction, 2.0 * std::numbers::pi)}});
   }
   if (sizes.lag != 0.0) add("torque_lag", {{"time_constant", sizes.lag}, {"delay_share", 0.0}});
+  if (sizes.delay != 0.0) add("dead_time", {{"delay", sizes.delay}});
   return result;
 }
 

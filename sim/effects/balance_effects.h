@@ -19,7 +19,7 @@ struct BalanceSizes {
   double rising = 0.0, rising_speed = 0.0;
   double gravity_sine = 0.0, gravity_cosine = 0.0;
   double first_position = 0.0;                     // of the axis in the balance's angle
-  double lag = 0.0;                                // [s] by which the torque comes late
+  double lag = 0.0, delay = 0.0;                   // [s] by which the torque comes late, as a first-order lag or by a fixed time
 };
 
 struct BalanceEffects {

@@ -63,7 +63,7 @@ Interval interval_of(double value, double deviation, bool is_positive) {
 // Of a law's first size; shapes are in the unit of what they are about.
 std::string unit_of(const BalanceTerm& term, const Words& words) {
   if (term.law == "viscous") return words.damping;
-  if (term.law == "lag") return "s";
+  if (term.family == diagnosis::LawFamily::drive) return "s";
   return words.effort;
 }
 
@@ -81,7 +81,7 @@ nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm
     for (std::size_t k = 0; k < term.size.size(); ++k) {
       add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words), k == 0 && term.is_dissipative);
     }
-    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed, true);
+    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.family == diagnosis::LawFamily::drive ? "s" : words.speed, true);
   }
   return sizes;
 }

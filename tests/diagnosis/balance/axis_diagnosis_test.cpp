@@ -2,6 +2,8 @@
 // what they were given.
 #include "diagnosis/balance/axis_diagnosis.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -163,7 +165,7 @@ TEST(AxisDiagnosis, DoesWithoutTheLawsThatItIsTold) {
   }
   EXPECT_NEAR(size_of(found.answer.best, "dry"), 1.5, 0.3 * 1.5);
   const std::vector<std::string> names = balance_law_names();
-  for (const char* name : {"dry", "viscous", "stribeck", "rising", "gravity", "spring", "warming", "lag"}) {
+  for (const char* name : {"dry", "viscous", "stribeck", "rising", "gravity", "spring", "warming", "lag", "delay"}) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   }
   EXPECT_TRUE(diagnose_axis(axis_file(), two_runs(noisy(friction)), names).answer.best.terms.empty());
@@ -321,6 +323,22 @@ TEST(AxisDiagnosis, NamesADriveThatLags) {
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_NEAR(size_of(found.answer.best, "lag"), kLag, 0.2 * kLag) << found.verdict;
   EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "torque_lag"; }));
+}
+
+// All of the torque 40 ms after its command, as over a bus: named with its time, and written as a dead time.
+TEST(AxisDiagnosis, NamesADriveThatActsAFixedTimeLate) {
+  constexpr double kDelay = 0.04;  // [s]
+  SimulatedAxis axis = noisy([](double t, double q, double v) { return friction(t, q, v) + switched(t) - (t > kDelay ? switched(t - kDelay) : 0.0); });
+  axis.duration = 40.0;
+  NamedRun first = logged(axis, "a"), second = first;
+  second.name = "b";
+  second.run.encoder.erase(second.run.encoder.begin(), second.run.encoder.begin() + static_cast<std::ptrdiff_t>(second.run.encoder.size() / 2));
+  first.run.encoder.resize(first.run.encoder.size() / 2);
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {first, second});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "delay"), kDelay, 0.1 * kDelay) << found.verdict;
+  EXPECT_EQ(size_of(found.answer.best, "lag"), 0.0);
+  EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "dead_time"; })) << fmt::format("{}", fmt::join(found.remarks, "; "));
 }
 
 // Beside friction that is named, a torque of time alone is said to be unknown, with the size of its residual.

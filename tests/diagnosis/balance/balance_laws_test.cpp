@@ -10,7 +10,7 @@
 namespace slewlab::diagnosis {
 namespace {
 
-constexpr BalanceScales kRotary{.top_speed = 4.0, .resolved_speed = 0.01, .duration = 50.0, .middle_position = 1.0, .half_range = 2.0, .late_times = {}};
+constexpr BalanceScales kRotary{.top_speed = 4.0, .resolved_speed = 0.01, .duration = 50.0, .middle_position = 1.0, .half_range = 2.0, .lateness = {}};
 
 const BalanceLaw* law_of(const std::vector<BalanceLaw>& laws, const std::string& name) {
   const auto found = std::find_if(laws.begin(), laws.end(), [&](const BalanceLaw& law) { return law.name == name; });
@@ -56,8 +56,9 @@ TEST(BalanceLaws, AreThoseThatTheAxisCanShow) {
   EXPECT_EQ(law_of(balance_laws(coarse), "stribeck"), nullptr) << "no speed below the resolved one is told from dry friction";
   EXPECT_EQ(law_of(balance_laws(kRotary), "lag"), nullptr);
   BalanceScales late = kRotary;
-  late.late_times = {0.01, 0.02};
+  late.lateness = {{0.01, false}, {0.02, false}, {0.01, true}};
   EXPECT_EQ(law_of(balance_laws(late), "lag")->shapes.size(), 2u);
+  EXPECT_EQ(law_of(balance_laws(late), "delay")->shapes.size(), 1u);
 }
 
 // Of records of one direction a difference of directions is no column, and a constant is one that helps the motion, instead of dry friction.

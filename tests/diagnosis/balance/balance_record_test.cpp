@@ -83,30 +83,38 @@ TEST(BalanceRecord, NoiseOfTheEffortIsThatWhichWasPutIn) {
   }
 }
 
-// What a lag withholds of white noise goes together with that noise: products of the filtered series, per sample, against sums over a long one.
+// What a lag, or a delay, withholds of white noise goes together with that noise: products of the filtered series, per sample, against sums over a long one.
 TEST(BalanceRecord, ProductsOfTheEffortsNoiseAreThoseOfALongRecord) {
   constexpr double kStep = 0.01;
-  const std::vector<double> lags{0.02, 0.1};
+  const std::vector<Lateness> lateness{{0.02, false}, {0.1, false}, {0.034, true}};
   std::mt19937_64 generator(5);
   std::normal_distribution<double> noise(0.0, 1.0);
   AxisRecord record{"noise", kStep, std::vector<double>(60000, 0.0), {}};
   for (std::size_t n = 0; n < record.position.size(); ++n) record.effort.push_back(noise(generator));
-  const BalanceRecord balance = make_balance_record(record, 5, lags);
+  const BalanceRecord balance = make_balance_record(record, 5, lateness);
   std::vector<std::vector<double>> series{balance.effort};
-  for (std::size_t k = 0; k < lags.size(); ++k) {
+  for (std::size_t k = 0; k < lateness.size(); ++k) {
     std::vector<double> withheld;
-    for (std::size_t n = k; n < balance.motion.late.size(); n += lags.size()) withheld.push_back(balance.motion.late[n]);
+    for (std::size_t n = k; n < balance.motion.late.size(); n += lateness.size()) withheld.push_back(balance.motion.late[n]);
     series.push_back(balance_smoothed(withheld, 5));
   }
-  const std::vector<double> products = effort_noise_products(kStep, 5, lags);
-  ASSERT_EQ(products.size(), 9u);
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
+  const std::vector<double> products = effort_noise_products(kStep, 5, lateness);
+  ASSERT_EQ(products.size(), 16u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
       double sum = 0.0;
       for (std::size_t n = 0; n < series[i].size(); ++n) sum += series[i][n] * series[j][n];
-      EXPECT_NEAR(sum / static_cast<double>(series[i].size()), products[3 * i + j], 0.05 * std::sqrt(products[4 * i] * products[4 * j])) << i << j;
+      EXPECT_NEAR(sum / static_cast<double>(series[i].size()), products[4 * i + j], 0.05 * std::sqrt(products[5 * i] * products[5 * j])) << i << j;
     }
   }
+}
+
+// A ramp of 3 per second that comes 0.034 s late lacks 3 per second of it, between samples as well.
+TEST(BalanceRecord, ADelayWithholdsWhatARampRisesByMeanwhile) {
+  AxisRecord record{"ramp", 0.01, std::vector<double>(200, 0.0), {}};
+  for (std::size_t n = 0; n < record.position.size(); ++n) record.effort.push_back(3.0 * record.step * static_cast<double>(n));
+  const BalanceRecord balance = make_balance_record(record, 5, {{0.034, true}});
+  for (std::size_t n = 10; n < balance.motion.late.size(); ++n) EXPECT_NEAR(balance.motion.late[n], 3.0, 1e-9) << n;
 }
 
 TEST(BalanceRecord, AWindowIsAsLongAsTheNoiseAsks) {

@@ -45,9 +45,9 @@ TEST(BalanceSetup, FrictionIsJudgedFromTheSpeedThatThePositionsResolve) {
 TEST(BalanceSetup, LagsAreLongerThanARecordersSkew) {
   const SimulatedAxis axis;
   const Balance balance = balance_of(two_records(axis), axis.inertia, 8.0, true);
-  ASSERT_FALSE(balance.late_times.empty());
-  for (const double time : balance.late_times) EXPECT_GT(time, 1.5 * axis.step);
-  for (const BalanceRecord& record : smoothed(two_records(axis), balance)) EXPECT_EQ(record.motion.late_count, balance.late_times.size());
+  ASSERT_FALSE(balance.lateness.empty());
+  for (const Lateness& one : balance.lateness) EXPECT_GT(one.time, 1.5 * axis.step);
+  for (const BalanceRecord& record : smoothed(two_records(axis), balance)) EXPECT_EQ(record.motion.late_count, balance.lateness.size());
 }
 
 TEST(BalanceSetup, ARecordShorterThanItsWindowsIsRefused) {

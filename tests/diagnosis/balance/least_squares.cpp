@@ -173,7 +173,7 @@ UnseenErrors predicted(const Split& split, const AxisDiagnosis& found) {
     const auto reach = static_cast<std::size_t>(series.reach);
     std::vector<double> left(series.effort.size());
     for (std::size_t n = 0; n < left.size(); ++n) left[n] = series.effort[n] - model.inertia * series.acceleration[n];
-    const BalanceRecord smooth = make_balance_record(record, found.half_window, found.late_times);
+    const BalanceRecord smooth = make_balance_record(record, found.half_window, found.lateness);
     const std::size_t cut = (record.position.size() - smooth.motion.speed.size()) / 2;
     const auto motion_at = [&](std::size_t at) { return std::clamp<std::size_t>(at, cut, cut + smooth.motion.speed.size() - 1) - cut; };
     const auto rate = [&](std::size_t n) { return smooth.motion.effort_rate[motion_at(n + reach)]; };
