@@ -17,18 +17,18 @@ struct Stage {
 // Of the processor's time. A single diagnosis differs by a half, because how many effects are worth a fit and how long they take to
 // settle is not known before: at the end of the screening it is a sixth to a half through. So nothing is forecast before that; the
 // rest are means over machines where many effects promise something.
-inline constexpr Stage kFitParameters{0.0, 0.11};
-inline constexpr Stage kScreen{0.11, 0.25};
-inline constexpr Stage kRefineSingles{0.25, 0.27};
-inline constexpr Stage kLookFromNominal{0.27, 0.34};
-inline constexpr Stage kConvergeSingles{0.34, 0.44};
-inline constexpr Stage kScreenBeside{0.44, 0.48};
-inline constexpr Stage kRefinePairs{0.48, 0.53};
-inline constexpr Stage kConvergePairs{0.53, 0.64};
-inline constexpr Stage kGoBack{0.64, 0.78};
-inline constexpr Stage kLookForStochastic{0.78, 0.93};
-inline constexpr Stage kHoldOut{0.93, 0.97};
-inline constexpr Stage kFollow{0.97, 1.0};
+inline constexpr Stage kFitParameters{0.0, 0.105};
+inline constexpr Stage kScreen{0.105, 0.238};
+inline constexpr Stage kRefineSingles{0.238, 0.257};
+inline constexpr Stage kLookFromNominal{0.257, 0.324};
+inline constexpr Stage kConvergeSingles{0.324, 0.419};
+inline constexpr Stage kScreenBeside{0.419, 0.457};
+inline constexpr Stage kRefinePairs{0.457, 0.505};
+inline constexpr Stage kConvergePairs{0.505, 0.61};
+inline constexpr Stage kGoBack{0.61, 0.743};
+inline constexpr Stage kLookForStochastic{0.743, 0.886};
+inline constexpr Stage kHoldOut{0.886, 0.96};
+inline constexpr Stage kFollow{0.96, 1.0};
 
 // What of the time behind the screening is left where few effects promise something and parameters alone may be the answer.
 inline constexpr double kWithFewEffects = 0.7;

@@ -21,7 +21,7 @@ from foxglove.websocket import Capability
 
 from arguments import ArgumentParser, bus, known_names, port
 from desk.access import is_loopback
-from desk.source import Bus, Growing, growing_log
+from desk.source import Bus, Growing, class_of, growing_log, row_type
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem
 from run_numbers import facts_beside
@@ -36,20 +36,26 @@ BACKLOG = 200_000  # messages that wait for a slow viewer, half a minute of all 
 
 
 class Topics:
-    """A topic for every channel that was heard, made when it is heard first: only then the lengths of its arrays are known."""
+    """A topic for every channel, there from the beginning: who waits for a run hears its first messages. How long arrays are is known by those; a schema does not tell it."""
 
     def __init__(self, units):
         self.units = units
-        self.topics = {}
+        self.topics = {channel: self._topic(channel) for channel in units}
+        self.rows = {}     # of the channels that were heard
         self.waiting = []  # of each channel: times [ns], topic and messages, not yet taken apart
 
+    def _rows(self, channel, dtype):
+        return ProtobufRows(f"slewlab.{channel}", np.dtype([(name, dtype[name]) for name in dtype.names if name not in OWN]), self.units[channel])
+
+    def _topic(self, channel):
+        rows = self._rows(channel, row_type(class_of(channel), lambda _: 1))
+        schema = foxglove.Schema(name=rows.name, encoding="protobuf", data=rows.descriptor())
+        return foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=self.units[channel])
+
     def receive(self, channel, messages):
-        if channel not in self.topics:
-            names = [name for name in messages.dtype.names if name not in OWN]
-            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]), self.units[channel])
-            schema = foxglove.Schema(name=f"slewlab.{channel}", encoding="protobuf", data=rows.descriptor())
-            self.topics[channel] = rows, foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=self.units[channel])
-        rows, topic = self.topics[channel]
+        if channel not in self.rows:
+            self.rows[channel] = self._rows(channel, messages.dtype)
+        rows, topic = self.rows[channel], self.topics[channel]
         messages = messages[np.argsort(messages["simulated_time"], kind="stable")]
         encoded = rows.encoded(messages)
         size = encoded.dtype.itemsize
@@ -92,9 +98,9 @@ def main(arguments):
         signal.signal(number, lambda *_: end.set())
     try:
         if options.bus:
-            source = Bus(options.bus, receive=topics.receive)
+            source = Bus(options.bus, receive=topics.receive, channels=tuple(topics.topics))
         else:
-            source = Growing(log, receive=topics.receive)
+            source = Growing(log, receive=topics.receive, channels=tuple(topics.topics))
             source.skip_what_is_there()
         server = foxglove.start_server(name="slewlab", host=options.host, port=0, message_backlog_size=BACKLOG, capabilities=[Capability.Time])
         proxy = SubprotocolProxy(options.host, options.port, server.port).start()

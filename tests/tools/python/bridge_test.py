@@ -158,6 +158,28 @@ class BridgeTest(unittest.TestCase):
         self.assertEqual(units_of(sensors)["tip_acceleration"], "[m/s^2]")
         self.assertEqual(units_of(torque)["motor_torque"], "[Nm]")
 
+    def test_who_waits_for_a_run_hears_every_channel_from_its_first_message(self):
+        log = self.begun()
+        motion = made_run.types.motion_t()
+        motion.configuration_hash, motion.run_identity, motion.rope_length = made_run.HASH, made_run.RUN, 57.5
+        motion.simulated_time = 500_000_000
+        events = [*made_run.messages(), ("MOTION", motion.simulated_time, motion)]
+        made_run.write_log(self.folder / "whole.lcmlog", sorted(events, key=lambda event: event[1]))
+        wanted = {channel for channel, *_ in events}
+        with connect(self.start(self.folder), subprotocols=["foxglove.sdk.v1"]) as connection:
+            viewer = Viewer(connection, sorted(wanted))
+            while not set(viewer.channels) >= wanted:
+                viewer.hear()
+            viewer.subscribe(list(viewer.wanted))
+            connection.ping().wait(PATIENCE)  # answered in its turn, behind the subscriptions
+            with log.open("ab") as stream:
+                stream.write((self.folder / "whole.lcmlog").read_bytes())
+            viewer.hear_to_the_end()
+        for channel in wanted:
+            self.assertEqual(min(viewer.of(channel)), min(time for name, time, _ in events if name == channel), channel)
+        self.assertEqual(sorted(viewer.of("OPERATOR")), [0, 2_000_000_000, 10_000_000_000])
+        self.assertEqual(message_class(viewer.channels["MOTION"]).FromString(viewer.of("MOTION")[500_000_000]).rope_length, 57.5)
+
     def test_a_linear_axis_has_its_own_units(self):
         sensors = [{"name": name, "unit": unit, "channel": "ENCODER", "field": field}
                    for name, unit, field in (("motor speed", "m/s", "shaft_speed"), ("motor position", "m", "shaft_position"))]

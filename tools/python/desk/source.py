@@ -134,17 +134,17 @@ class Bus:
 
     is_live = True
 
-    def __init__(self, address, facts_folder=None, receive=None):
+    def __init__(self, address, facts_folder=None, receive=None, channels=tuple(USED)):
         import lcm
 
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
-        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear)
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear, channels)
         try:
             self.bus = lcm.LCM(address)
         except RuntimeError as error:
             raise NoBus(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
-        self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
+        self.subscription = self.bus.subscribe("|".join(channels), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
         if facts_folder is not None:
             facts = Path(facts_folder) / "run.json"
@@ -166,17 +166,21 @@ FINGERPRINT = 8  # [bytes] in front of every message
 IDENTITY = slice(32, 40)  # [bytes] of every message: of which run it is
 
 
+def row_type(message_class, count_of):
+    """numpy's type of a message as it is on the wire; `count_of` tells the length of an array by the field that holds it."""
+    names, types = ["fingerprint"], [">u8"]
+    for name, kind, dimensions in zip(message_class.__slots__, message_class.__typenames__, message_class.__dimensions__):
+        names.append(name)
+        types.append(KINDS[kind] if dimensions is None else (KINDS[kind], (count_of(dimensions[0]),)))
+    return np.dtype({"names": names, "formats": types})
+
+
 class Decoder:
     """Many messages of one channel at once: all that are as long as the first have its array counts."""
 
     def __init__(self, message_class, sample):
         message = message_class.decode(sample)
-        names, types = ["fingerprint"], [">u8"]
-        for name, kind, dimensions in zip(message.__slots__, message.__typenames__, message.__dimensions__):
-            names.append(name)
-            count = None if dimensions is None else getattr(message, dimensions[0])
-            types.append(KINDS[kind] if count is None else (KINDS[kind], (count,)))
-        self.dtype = np.dtype({"names": names, "formats": types})
+        self.dtype = row_type(message_class, functools.partial(getattr, message))
         self.size, self.fingerprint = len(sample), sample[:FINGERPRINT]
 
     def decode(self, messages):
@@ -184,19 +188,22 @@ class Decoder:
         return np.frombuffer(b"".join(fitting), self.dtype)
 
 
+def class_of(channel):
+    return getattr(message_types(), f"{channel.lower()}_t")
+
+
 class Incoming:
     """Events as they come, of one run at a time: `receive` gets every channel's rows, `begin` is called where another run's ENCODER
     comes and none of the one before, or the time falls: the same is said once more."""
 
-    def __init__(self, receive, begin=lambda: None):
+    def __init__(self, receive, begin=lambda: None, channels=tuple(USED)):
         self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
         self.run = 0  # counts the runs
         self.newest = None  # [ns] of this run's ENCODER
         self.span = None  # [ns] times of the plant's messages of this batch
         self.taps = []  # each gets all events as they are, when it is known of which run they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
-        types = message_types()
-        self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
+        self.classes = {channel: class_of(channel) for channel in channels}
 
     def take(self, events):
         """`events`: (channel, data), in their order."""
@@ -277,10 +284,11 @@ class Growing:
     is_live = True
     MOST_AT_ONCE = 1 << 22  # [bytes]
 
-    def __init__(self, path, name=None, receive=None):
+    def __init__(self, path, name=None, receive=None, channels=tuple(USED)):
         self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
         self.store = Store()
-        self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store), self.store.clear), None, b""
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear, channels)
+        self.file, self.rest = None, b""
         self.facts_changed = None
 
     def _newest(self):
