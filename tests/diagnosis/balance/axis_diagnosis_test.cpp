@@ -307,6 +307,15 @@ TEST(AxisDiagnosis, ASkewOfTheRecorderIsNoEffect) {
   EXPECT_NEAR(found.validation.nominal.balance, 0.0, found.validation.noise * 3.0);
 }
 
+// One run as two logs.
+std::vector<NamedRun> halves(NamedRun first) {
+  NamedRun second = first;
+  second.name = "b";
+  second.run.encoder.erase(second.run.encoder.begin(), second.run.encoder.begin() + static_cast<std::ptrdiff_t>(second.run.encoder.size() / 2));
+  first.run.encoder.resize(first.run.encoder.size() / 2);
+  return {std::move(first), std::move(second)};
+}
+
 // A drive that lags by 50 ms, integrated here: named with its time, and no skew of the recorder in its place.
 TEST(AxisDiagnosis, NamesADriveThatLags) {
   constexpr double kLag = 0.05, kFine = 1e-4;  // [s]
@@ -315,11 +324,7 @@ TEST(AxisDiagnosis, NamesADriveThatLags) {
   const auto withheld = [&](double t) { return switched(t) - late[static_cast<std::size_t>(t / kFine)]; };
   SimulatedAxis axis = noisy([&](double t, double q, double v) { return friction(t, q, v) + withheld(t); });
   axis.duration = 40.0;
-  NamedRun first = logged(axis, "a"), second = first;
-  second.name = "b";
-  second.run.encoder.erase(second.run.encoder.begin(), second.run.encoder.begin() + static_cast<std::ptrdiff_t>(second.run.encoder.size() / 2));
-  first.run.encoder.resize(first.run.encoder.size() / 2);
-  const AxisDiagnosis found = diagnose_axis(axis_file(), {first, second});
+  const AxisDiagnosis found = diagnose_axis(axis_file(), halves(logged(axis, "a")));
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_NEAR(size_of(found.answer.best, "lag"), kLag, 0.2 * kLag) << found.verdict;
   EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "torque_lag"; }));
@@ -330,11 +335,7 @@ TEST(AxisDiagnosis, NamesADriveThatActsAFixedTimeLate) {
   constexpr double kDelay = 0.04;  // [s]
   SimulatedAxis axis = noisy([](double t, double q, double v) { return friction(t, q, v) + switched(t) - (t > kDelay ? switched(t - kDelay) : 0.0); });
   axis.duration = 40.0;
-  NamedRun first = logged(axis, "a"), second = first;
-  second.name = "b";
-  second.run.encoder.erase(second.run.encoder.begin(), second.run.encoder.begin() + static_cast<std::ptrdiff_t>(second.run.encoder.size() / 2));
-  first.run.encoder.resize(first.run.encoder.size() / 2);
-  const AxisDiagnosis found = diagnose_axis(axis_file(), {first, second});
+  const AxisDiagnosis found = diagnose_axis(axis_file(), halves(logged(axis, "a")));
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_NEAR(size_of(found.answer.best, "delay"), kDelay, 0.1 * kDelay) << found.verdict;
   EXPECT_EQ(size_of(found.answer.best, "lag"), 0.0);
