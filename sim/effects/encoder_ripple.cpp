@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "sim/effects/ripple.h"
+#include "sim/effects/uneven_groups.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -21,9 +22,8 @@ class EncoderRipple : public Running<EncoderRipple> {
   explicit EncoderRipple(const EffectStart& start)
       : second_share_(start.value("second_share")), group_count_(start.model.group_count) {
     for (int i = 0; i < group_count_; ++i) {
-      const double side = group_side(i, group_count_);
-      phase_[i] = side < 0.0 ? start.value("phase_last") : start.value("phase");
-      amplitude_[i] = start.value("amplitude") * (1.0 + start.value("share") * side);
+      phase_[i] = group_side(i, group_count_) < 0.0 ? start.value("phase_last") : start.value("phase");
+      amplitude_[i] = start.value("amplitude") * uneven_factor(start.value("share"), 0.0, i, group_count_);
     }
   }
 

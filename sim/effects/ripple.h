@@ -10,6 +10,7 @@
 #include "common/effect.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/half_turn.h"
+#include "sim/effects/uneven_groups.h"
 
 namespace slewlab::sim {
 
@@ -59,8 +60,8 @@ using GroupRipples = std::array<RippleWave, kMaximumGroupCount>;
 inline GroupRipples ripples_of_groups(const Ripple& first, const RippleSides& sides, int group_count) {
   GroupRipples ripples{};
   for (int i = 0; i < group_count; ++i) {
-    const double side = group_side(i, group_count);
-    ripples[static_cast<std::size_t>(i)] = scaled(wave_of(side < 0.0 ? shifted(first, sides.phase_last - first.phase) : first), 1.0 + sides.share * side);
+    const Ripple ripple = group_side(i, group_count) < 0.0 ? shifted(first, sides.phase_last - first.phase) : first;
+    ripples[static_cast<std::size_t>(i)] = scaled(wave_of(ripple), uneven_factor(sides.share, 0.0, i, group_count));
   }
   return ripples;
 }
@@ -76,16 +77,14 @@ inline double mean_ripple(const RippleWave& wave, double angle, double turned) {
 
 // Beyond 1 the other half's wave is turned over: a ripple in one half alone lies within the bounds.
 inline common::EffectParameter ripple_share_parameter() {
-  return {.name = "share",
-          .unit = common::Unit::none,
-          .meaning = "relative excess of the first half of the groups: 1 where they alone have it",
-          .lower = -2.0,
-          .upper = 2.0,
-          .typical = 0.0,
-          .prior_scale = 0.3,
-          .scale = common::ParameterScale::linear,
-          .absent = 0.0,
-          .detail = true};
+  common::EffectParameter parameter = uneven_share_parameter();
+  parameter.meaning = "relative excess of the first half of the groups: 1 where they alone have it";
+  parameter.lower = -2.0;
+  parameter.upper = 2.0;
+  parameter.typical = 0.0;
+  parameter.prior_scale = 0.3;
+  parameter.detail = true;
+  return parameter;
 }
 
 // In both of them at once, so that a fit finds it from nothing whatever its phase.
