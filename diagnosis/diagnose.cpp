@@ -18,6 +18,7 @@
 #include "diagnosis/hidden_commands.h"
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/judged_grid.h"
+#include "diagnosis/law_in_draws.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/search_as_built.h"
@@ -162,6 +163,20 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   return whitening;
 }
 
+// A cause that leads by draws which come the same way each time is none: what they follow is in no catalogue.
+void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
+  constexpr double kWorthALook = 0.05;  // probability, chosen
+  for (Cause& cause : ranking.causes) {
+    if (cause.probability < kWorthALook || stochastic_part(problem.catalogue, cause.point).empty()) continue;
+    const auto fit = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
+    if (fit == fits.end()) continue;
+    if (!law_in_draws(problem, *fit).is_law()) continue;
+    remarks.push_back(fmt::format("{} has the size of what is missing, but what is missing answers to each command in the same way, as nothing that happens by chance does", name_of(cause)));
+    take_away(1.0, false, cause, ranking);
+  }
+  sort_causes(ranking.causes);
+}
+
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
 // know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
@@ -193,6 +208,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   };
   validate();
   sort_causes(ranking.causes);
+  give_up_draws_that_are_a_law(problem, found.fits, ranking, diagnosis.remarks);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);

@@ -24,6 +24,8 @@ constexpr double kFineness = 4.0;            // of those, passed in a characteri
 constexpr double kLevelPrice = 0.1;          // of a coefficient beside its second differences
 constexpr double kAmount = 0.01;             // of the rated torque: so little that no tooth parts
 constexpr double kStandstill = 0.02;         // of the largest speed, in which the direction turns
+constexpr double kRateTime = 0.125;          // [characteristic times] over which a torque's rate is taken: what lags by less is seen as a rate, and the sensors' noise moves the mean little
+constexpr double kSmallTorque = 0.05;        // of the largest, within which a torque turns its sign
 constexpr int kPointsInSegment = 5;          // of a curve
 constexpr double kHighestFrequency = 1.0;    // [1 / characteristic time] that a smooth function of slow quantities is asked to explain
 constexpr double kHeld = 1.0;  // [characteristic times] between the knots of what holds at standstill
@@ -43,6 +45,7 @@ struct Course {
   std::vector<double> speed, angle, time, direction;
   std::vector<double> load;                       // [Nm per motor] mean of the magnitudes
   std::vector<std::vector<double>> motor_torque;  // [Nm] each group's own
+  std::vector<std::vector<double>> torque_rate;   // [Nm/s] of it
 };
 using OfCourse = std::function<double(const Course&, std::size_t point, std::size_t group)>;
 
@@ -75,6 +78,13 @@ double largest(const std::vector<std::vector<double>>& series) {
   return most;
 }
 
+// Of a series, its change over so many of its points until each.
+std::vector<double> rate_of(const std::vector<double>& series, std::size_t points, double step) {
+  std::vector<double> rate(series.size());
+  for (std::size_t n = 0; n < series.size(); ++n) rate[n] = (series[n] - series[n - std::min(n, points)]) / (step * static_cast<double>(points));
+  return rate;
+}
+
 std::vector<Course> courses_of(const Problem& problem, double ratio) {
   std::vector<Course> courses;
   for (const Record& record : problem.records) {
@@ -94,6 +104,8 @@ std::vector<Course> courses_of(const Problem& problem, double ratio) {
       course.load.push_back(load / static_cast<double>(groups));
     }
     course.motor_torque.assign(record.motor_torque.begin(), record.motor_torque.begin() + static_cast<std::ptrdiff_t>(groups));
+    const auto points = static_cast<std::size_t>(std::max(1.0, std::round(kRateTime * problem.thresholds.time / record.step)));
+    for (const std::vector<double>& torque : course.motor_torque) course.torque_rate.push_back(rate_of(torque, points, record.step));
     courses.push_back(std::move(course));
   }
   std::vector<std::vector<double>> speeds;
@@ -115,15 +127,20 @@ int fine_segments(const std::vector<Course>& courses, double characteristic_time
   return static_cast<int>(std::clamp(std::ceil(kFineness * (high - low) / (fastest * characteristic_time)), double{kSegments}, double{kMostSegments}));
 }
 
-std::vector<Quantity> quantities(double largest_torque, int fine) {
+std::vector<Quantity> quantities(double largest_torque, double largest_speed, int fine) {
   const auto of = [](std::vector<double> Course::* values) { return [values](const Course& c, std::size_t n, std::size_t) { return (c.*values)[n]; }; };
   const auto own_torque = [](const Course& c, std::size_t n, std::size_t g) { return c.motor_torque[g][n]; };
+  const auto own_rate = [](const Course& c, std::size_t n, std::size_t g) { return c.torque_rate[g][n]; };
+  const auto sign = [=](const Course& c, std::size_t n, std::size_t g) { return std::tanh(own_torque(c, n, g) / (kSmallTorque * largest_torque)); };
   const Part forward{"forward", [](const Course& c, std::size_t n, std::size_t) { return std::max(0.0, c.direction[n]); }};
   const Part backward{"backward", [](const Course& c, std::size_t n, std::size_t) { return std::max(0.0, -c.direction[n]); }};
   const Part along{"forward, constant", forward.factor, 0}, against{"backward, constant", backward.factor, 0};
   const Part both{"both ways", [](const Course&, std::size_t, std::size_t) { return 1.0; }};
   const Part with_torque{"with each motor's torque", [=](const Course& c, std::size_t n, std::size_t g) { return own_torque(c, n, g) / largest_torque; }};
   const Part own{"each motor's own", both.factor, kSegments, own_torque};
+  const Part rising{"each motor's own", both.factor, kSegments, own_rate};
+  const Part growing{"of each motor's magnitude", sign, kSegments, [=](const Course& c, std::size_t n, std::size_t g) { return sign(c, n, g) * own_rate(c, n, g); }};
+  const Part with_speed{"with the speed", [=](const Course& c, std::size_t n, std::size_t) { return std::fabs(c.speed[n]) / largest_speed; }, kSegments, own_rate};
   const auto of_segments = [](Part part, int segments) { return part.segments = segments, part; };
   const auto on_house = [](Part part) { return part.is_on_house = true, part; };
   const auto cubic = [&](const Part& part) { return of_segments(part, 1); };
@@ -131,7 +148,8 @@ std::vector<Quantity> quantities(double largest_torque, int fine) {
           {"angle", "rad", of(&Course::angle), false, {on_house(forward), on_house(backward), on_house(both), on_house(of_segments(both, fine)), on_house(cubic(both)), on_house(cubic(forward)), on_house(cubic(backward)), both, cubic(both)},
            {{0, 1}, {2}, {3}, {4}, {5, 6}, {7}, {8}}},
           {"time", "s", of(&Course::time), true, {forward, backward, with_torque, both, on_house(cubic(both))}, {{0, 1, 2}, {0, 1}, {2}, {3}, {4}}},
-          {"torque", "Nm", of(&Course::load), false, {forward, backward, own, with_torque, cubic(own)}, {{0, 1}, {2}, {3}, {4}}}};
+          {"torque", "Nm", of(&Course::load), false, {forward, backward, own, with_torque, cubic(own)}, {{0, 1}, {2}, {3}, {4}}},
+          {"torque's rate", "Nm/s", own_rate, false, {rising, growing, with_speed, cubic(rising)}, {{0}, {1}, {2}, {3}}}};
 }
 
 // The least and the greatest value of a quantity where `factor` acts and the records are judged.
@@ -367,9 +385,12 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
   const sim::Scales scales = sim::scales_of(problem.nominal.crane);
   own->courses = courses_of(problem, scales.ratio);
   const std::vector<Course>& courses = own->courses;
-  double largest_torque = 0.0;
-  for (const Course& course : courses) largest_torque = std::max(largest_torque, largest(course.motor_torque));
-  own->all = quantities(std::max(largest_torque, std::numeric_limits<double>::min()), fine_segments(courses, problem.thresholds.time));
+  double largest_torque = std::numeric_limits<double>::min(), largest_speed = largest_torque;
+  for (const Course& course : courses) {
+    largest_torque = std::max(largest_torque, largest(course.motor_torque));
+    largest_speed = std::max(largest_speed, largest({course.speed}));
+  }
+  own->all = quantities(largest_torque, largest_speed, fine_segments(courses, problem.thresholds.time));
   own->amount = kAmount * scales.motor_torque;
 
   // One simulation moves a function of all records' times at once: each record's rows tell its own. First what is no discrepancy of any

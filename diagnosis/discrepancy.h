@@ -2,9 +2,10 @@
 //
 //   T(t) = sum over i of s_i(t) f_i(v(t)),    f_i(v) = sum over j of a_ij B_j(v),    a ~ N(0, rho P^-1)
 //
-// v is the speed or the angle of the axis, the time since a record's beginning, or the magnitude of the motors' torque, mean over the groups. The s_i
+// v is the speed or the angle of the axis, the time since a record's beginning, the magnitude of the motors' torque, mean over the groups, or the rate of each motor's torque over an
+// eighth of the characteristic time: a drive that answers otherwise the one way than the other, or to a quick change than to a slow one. The s_i
 // are one of several sets, that with the largest evidence: the two directions of motion; of angle and time none (s = 1); of speed, time and torque
-// each motor's torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments or
+// each motor's torque over the largest; of the torque also none, v being each motor's own; of the rate none, the sign of the motor's torque with v the rate of its magnitude, or the speed. B_j are cubic B-splines on even knots, eight segments or
 // one (a cubic, which a law of few numbers needs no more than); of the angle also as many as the axis passes at its largest speed in a quarter of the
 // characteristic time each (64 at most: what is set in a ring comes many times in a turn); of the speed also the constant. The torque acts at the
 // motors; what follows the angle also on the house, where it winds no gear up, and cubics of speed and time there too. P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines).
@@ -37,7 +38,7 @@ struct DiscrepancyCurve {
 };
 
 struct Discrepancy {
-  std::string variable;  // constant, speed, angle, time, torque
+  std::string variable;  // constant, speed, angle, time, torque, torque's rate
   std::string unit;
   double share = 0.0;     // of the residual above the noise, that the function with its constant takes away
   double evidence = 0.0;  // ln E(rho) - ln E(0), the constant's with it

@@ -32,6 +32,7 @@ constexpr double kLevelStands = 0.1;  // of the shortest stand that is looked at
 constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
 constexpr double kStands = 0.05;      // of top speed, below which a machine stands while its boom and load swing on; chosen, as a record begins in motion
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
+constexpr double kLeavesBy = 0.5;     // of that, within which a command leaves a limit that it meets once; chosen
 
 // Least-squares slope of y on x, and the correlation.
 struct Fit {
@@ -141,7 +142,7 @@ bool stands_elsewhere(const std::vector<const std::vector<double>*>& commands, d
 }
 
 // A command that stands still while what is needed, slowly, changes by a share of its range; but where it stands at a limit, the rated torque among them, or at a
-// level of its controller, which `commands` have. What
+// level of its controller, which `commands` have. A limit that is met once is the largest of the record, and left without a jump: a frozen command jumps to what the controller asks for by then. What
 // is needed is looked at inside the stand, where nothing of the time before and after is smoothed into it.
 void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<const std::vector<double>*>& commands,
                       const std::vector<double>& needed, double share, const AdmissionSettings& settings) {
@@ -152,14 +153,19 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
   const std::vector<double> smoothed = smooth(needed, slow);
   const auto at = [&](std::size_t n) { return smoothed.begin() + static_cast<std::ptrdiff_t>(n); };
   const auto [lowest, highest] = std::minmax_element(at(slow), at(recorded.size() - slow));
+  const double turns_by = share * (*highest - *lowest);
+  const double largest = std::transform_reduce(recorded.begin(), recorded.end(), 0.0, [](double a, double b) { return std::max(a, b); }, [](double torque) { return std::fabs(torque); });
+  const auto is_met_once = [&](std::size_t begin, std::size_t end) {
+    return end < recorded.size() && std::fabs(recorded[begin]) >= kAtLimit * largest && std::fabs(recorded[end] - recorded[begin]) <= kLeavesBy * turns_by;
+  };
   for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
     if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
     const double torque = std::fabs(recorded[begin]);
     const bool is_limited = torque >= kAtLimit * torque_limit || std::fabs(torque - settings.rated_torque) <= (1.0 - kAtLimit) * settings.rated_torque;
     const auto is_level = [&] { return stands_elsewhere(commands, torque, begin, n, static_cast<std::size_t>(std::ceil(kLevelStands * static_cast<double>(limit)))); };
-    if (n - begin > limit && recorded[begin] != 0.0 && !is_limited && !is_level()) {
+    if (n - begin > limit && recorded[begin] != 0.0 && !is_limited && !is_met_once(begin, n) && !is_level()) {
       const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
-      if (*high - *low > share * (*highest - *lowest)) {
+      if (*high - *low > turns_by) {
         throw NotAdmitted(fmt::format("{}: {} is frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; cut the "
                                       "log there, or record the commands anew",
                                       record.name, name, recorded[begin], record.time(begin), record.time(n - 1), *low, *high));

@@ -135,10 +135,34 @@ void hold_on_grid(DriveCourse& course) {
 
 }  // namespace
 
+MessageCycle message_cycle(const Record& record) {
+  constexpr std::size_t kMostReadings = 50;  // of the encoders, that a controller may be slower; chosen
+  constexpr double kTogether = 0.99;         // of all changes, that come a multiple of the cycle apart: a recorder's clock may slip now and then
+  constexpr double kMoves = 0.2;             // of the cycles in a record, in which its commands change, or it does not show them
+  const auto reading = static_cast<std::size_t>(std::max(1.0, std::round(record.encoder_period / command_step(record))));
+  std::vector<std::size_t> changes;  // commands that differ from the one before
+  const std::size_t count = commands(record, 0).size();
+  for (std::size_t n = 1; n < count; ++n) {
+    bool changes_here = false;
+    for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) changes_here = changes_here || commands(record, g)[n] != commands(record, g)[n - 1];
+    if (changes_here) changes.push_back(n);
+  }
+  for (std::size_t readings = kMostReadings; readings > 1; --readings) {
+    const std::size_t cycle = readings * reading;
+    if (static_cast<double>(changes.size() * cycle) < kMoves * static_cast<double>(count)) continue;
+    std::vector<std::size_t> at(cycle);
+    for (const std::size_t n : changes) ++at[n % cycle];
+    const auto most = std::max_element(at.begin(), at.end());
+    if (static_cast<double>(*most) >= kTogether * static_cast<double>(changes.size())) return {cycle, static_cast<std::size_t>(most - at.begin())};
+  }
+  return {reading, 0};
+}
+
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {
   DriveCourse course;
   course.per_point = record.recorded_per_point;
   course.is_filtered = is_filtered(record);
+  course.messages = message_cycle(record);
   const std::size_t groups = static_cast<std::size_t>(record.group_count), count = record.size() * course.per_point;
   for (std::size_t g = 0; g < groups; ++g) {
     course.motor_torque[g].reserve(count);

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -51,6 +52,15 @@ class RecordedDrive {
 // Whether a trip holds the drive: tripped, or braked by a trip and not acknowledged since.
 bool says_tripped(const msgs::PlantStatus& status);
 
+// Which commands of a record are one message of the controller: those of one reading of the encoders, or of several where the controller is slower than the recorder, so that its
+// commands change that far apart alone.
+struct MessageCycle {
+  std::size_t commands = 1;
+  std::size_t first = 0;  // command with which a message begins
+  std::int64_t sequence(std::size_t command) const { return static_cast<std::int64_t>((command + commands - first) / commands); }
+};
+MessageCycle message_cycle(const Record& record);
+
 struct DriveSeries {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque, brake_torque;  // [Nm per motor] of the groups there are
   std::vector<bool> enable;
@@ -59,6 +69,7 @@ struct DriveSeries {
 // each point to the next.
 struct DriveCourse : DriveSeries {
   std::size_t per_point = 1;
+  MessageCycle messages;
   bool is_filtered = false;  // what holds is what the commands are in the judged band, as the encoders are (judged_grid.h); else their mean
   DriveSeries held;          // nothing where there is one command per point
 };

@@ -507,12 +507,11 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
   }
   std::vector<std::pair<int, sim::MachineBatch>> batches;
   for (const auto& [steps, together] : machines) batches.emplace_back(steps, sim::make_machine_batch(together));
-  const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / command_step(record))));  // [commands]
   const std::size_t per_point = drives.per_point;
   const DriveSeries& held = per_point > 1 ? drives.held : drives;
   const auto command_at = [&](const DriveSeries& course, std::size_t n, std::size_t command_number) {
     sim::DriveCommand command;
-    command.sequence = static_cast<std::int64_t>(command_number / cycle);
+    command.sequence = drives.messages.sequence(command_number);
     command.enable = course.enable[n];
     for (std::size_t i = 0; i < groups; ++i) {
       command.motor_torque[i] = course.motor_torque[i][n];

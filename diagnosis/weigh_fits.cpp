@@ -67,7 +67,7 @@ std::vector<std::size_t> fits_to_ask_beside(const Problem& problem, const std::v
 // effect whose residual they explain.
 void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, std::size_t effect_count, std::vector<Candidate> candidates, Weighed& weighed) {
   constexpr double kSmooth = 0.5;    // share of unknown laws that are such functions; chosen
-  constexpr double kVariables = 4.0;
+  constexpr double kVariables = 5.0;
   const EvidenceSettings& evidence = compared.evidence;
   const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
   std::vector<UnknownLaws> laws(beside.size() + 1);

@@ -10,6 +10,7 @@
 #include "diagnosis/evaluation/measure.h"
 #include "diagnosis/evaluation/random.h"
 #include "diagnosis/loop/loop.h"
+#include "sim/effects/accelerometers.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
@@ -155,6 +156,7 @@ class TruthPlant : public MeasuredPlant {
     }
     seen_ = truth;
     for (const SensorLaw& law : machine_.sensors) law(now(), truth, seen_);
+    sim::apply_gains(machine_.crane.sensors, seen_);
     for (std::size_t a = 0; a < noise_.size(); ++a) seen_.*kAccelerometers<SensorValues>[a].value += noise_[a].next();
     seen_.slew_angle = machine_.noise.slew_resolution * std::round(seen_.slew_angle / machine_.noise.slew_resolution);
     GroupArray position = readings_.shaft_position;

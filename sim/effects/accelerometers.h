@@ -1,9 +1,10 @@
-// What an effect adds to the accelerometers of SENSORS, whichever there are: msgs/sensors_t.lcm has the table.
+// What an effect adds to the accelerometers of SENSORS, whichever there are (msgs/sensors_t.lcm has the table), and their gains.
 #pragma once
 
 #include <string_view>
 
 #include "sim/integrate/plant_ports.h"
+#include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
@@ -13,6 +14,13 @@ void add_to_accelerometers(PlantReadings& readings, const Acceleration& accelera
   for (const auto& sensor : msgs::kSensorFields<PlantReadings>) {
     if (sensor.unit == "m/s^2") readings.*sensor.value += acceleration(sensor.place);
   }
+}
+
+// What the accelerometers read of what moves them: nothing but their gains between.
+inline void apply_gains(const SensorParameters& sensors, msgs::SensorReadings& readings) {
+  readings.pivot_acceleration *= sensors.pivot_gain;
+  readings.middle_acceleration *= sensors.middle_gain;
+  readings.tip_acceleration *= sensors.tip_gain;
 }
 
 // Share of the boom's length, from pivot to tip, at which a place lies; 0 of the house.

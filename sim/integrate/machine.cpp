@@ -270,8 +270,11 @@ void step(Machine& machine, const DriveCommand& command) {
 }
 
 MachineReadings read(const Machine& machine) {
-  if (is_sensed(machine)) return machine.sensed;
-  return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
+  MachineReadings readings = is_sensed(machine)         ? machine.sensed
+                             : machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration)
+                                                        : read(machine.model, machine.state);
+  apply_gains(machine.model.parameters.sensors, readings);
+  return readings;
 }
 
 double rope_angle(const Machine& machine) {

@@ -10,6 +10,7 @@ using common::Unit;
 using common::YamlReader;
 
 double number_or_ordinary(YamlReader& reader, std::string_view key, Unit unit) { return reader.optional_number(key, unit, positive()).value_or(0.0); }
+double gain_or_one(YamlReader& reader, std::string_view key) { return reader.optional_number(key, Unit::none, positive()).value_or(1.0); }
 
 }  // namespace
 
@@ -19,6 +20,9 @@ SensorParameters read_crane_sensors(YamlReader reader) {
   sensors.slew_angle_noise = number_or_ordinary(reader, "slew_angle_noise", Unit::radian);
   sensors.acceleration_noise = number_or_ordinary(reader, "acceleration_noise", Unit::metre_per_second_squared);
   sensors.acceleration_noise_corner = number_or_ordinary(reader, "acceleration_noise_corner", Unit::hertz);
+  sensors.pivot_gain = gain_or_one(reader, "pivot_gain");
+  sensors.middle_gain = gain_or_one(reader, "middle_gain");
+  sensors.tip_gain = gain_or_one(reader, "tip_gain");
   reader.finish();
   return sensors;
 }

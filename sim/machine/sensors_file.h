@@ -1,5 +1,5 @@
-// Reads `sensors:` of a machine's file: the noise of its sensors, where it is known. Every key may be left out and is an ordinary
-// sensor's then (description.h).
+// Reads `sensors:` of a machine's file: the noise of its sensors and the gains of its accelerometers, where they are known. Every key may be left out and is an ordinary
+// sensor's then (description.h), of gain 1.
 #pragma once
 
 #include "common/yaml_reader.h"

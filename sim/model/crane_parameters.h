@@ -122,6 +122,8 @@ struct SensorParameters {
   double slew_angle_noise = 0.0;           // [rad]
   double acceleration_noise = 0.0;         // [m/s^2]
   double acceleration_noise_corner = 0.0;  // [Hz] below which it rises as 1/f
+  // [-] what an accelerometer reads of what moves it; of the house's, the sensor's radius says the same.
+  double pivot_gain = 1.0, middle_gain = 1.0, tip_gain = 1.0;
 };
 
 // A plain axis (`kind: axis`) is a crane without boom and load: one motor group, and a house that is what the axis

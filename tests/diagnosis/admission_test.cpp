@@ -342,6 +342,14 @@ TEST_F(Admission, TakesALimitForNoFrozenCommand) {
   hold(-260.0, 1.0, 10.0);
   EXPECT_EQ(refusal().find("frozen at 260"), std::string::npos) << refusal();
   log_ = sound;
+  // The controller's own limit, which no file tells: met once, and left as it was come to.
+  double largest = 0.0;
+  for (const msgs::Torque& message : log_.torque) largest = std::max(largest, message.motor_torque[0] + message.motor_torque[1]);
+  for (msgs::Torque& message : log_.torque) {
+    if (message.motor_torque[0] + message.motor_torque[1] > 0.6 * largest) message.motor_torque = {0.3 * largest, 0.3 * largest};
+  }
+  EXPECT_EQ(refusal().find("mean of the groups, is frozen"), std::string::npos) << refusal();
+  log_ = sound;
   hold(bench().admission.rated_torque, 3.0, 3.0);  // the limit that the machine's file tells: once is enough
   EXPECT_EQ(refusal().find("frozen"), std::string::npos) << refusal();
 }

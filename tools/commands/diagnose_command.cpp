@@ -153,7 +153,7 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     }
     return fmt::format("Outside the catalogue (unknown), {:.0f} %: {}; the missing torque {}.",
                        100 * diagnosis.probability_unknown, why,
-                       followed.empty() ? "follows neither speed nor angle, time or torque: look behind the motors, and at what is faster" : followed);
+                       followed.empty() ? "follows neither speed nor angle, time, torque or its rate: look behind the motors, and at what is faster" : followed);
   }
   const Cause& first = diagnosis.causes.front();
   std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure ? "Not sure: " : "", told_name(first), 100 * diagnosis.lead_acts);

@@ -61,6 +61,28 @@ TEST(Machine, WithoutEffectsIsTheBarePlantToTheBit) {
 // Brakes that drag with 5 Nm per motor, the same at both groups.
 MachineSettings dragging() { return {.crane = thesis_crane(), .effects = {{"dragging_brake", {5.0, 0.0, 0.0}}}}; }
 
+// A gain is of the accelerometer: of what moves the crane and of what an effect adds to its reading, and the crane moves as it does without.
+TEST(Machine, AnAccelerometerReadsByItsGain) {
+  for (const std::vector<common::EffectInstance>& effects : {std::vector<common::EffectInstance>{}, {{"gearbox_mesh_variation", {0.01, 0.0, 0.0, 0.0}}}}) {
+    CraneParameters crane = thesis_crane();
+    Machine machine = make_machine({.crane = crane, .effects = effects});
+    crane.sensors.middle_gain = 0.97;
+    crane.sensors.tip_gain = 1.04;
+    Machine other = make_machine({.crane = crane, .effects = effects});
+    for (std::int64_t k = 0; k < 500; ++k) {
+      step(machine, command_at(k));
+      step(other, command_at(k));
+    }
+    const MachineReadings readings = read(machine), by_gain = read(other);
+    EXPECT_GT(std::fabs(readings.tip_acceleration), 1e-3);
+    EXPECT_DOUBLE_EQ(by_gain.tip_acceleration, 1.04 * readings.tip_acceleration);
+    EXPECT_DOUBLE_EQ(by_gain.middle_acceleration, 0.97 * readings.middle_acceleration);
+    EXPECT_EQ(by_gain.pivot_acceleration, readings.pivot_acceleration);
+    EXPECT_EQ(by_gain.house_acceleration, readings.house_acceleration);
+    expect_same_bits(machine.state, other.state);
+  }
+}
+
 TEST(Machine, AnEffectThatIsOffChangesNoBit) {
   Machine bare = make_machine({.crane = thesis_crane(), .effects = {}});
   Machine machine = make_machine(dragging());

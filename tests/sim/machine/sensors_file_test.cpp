@@ -55,6 +55,18 @@ TEST(SensorsFile, OrdinarySpeedNoiseIsAShareOfTheMotorsTopSpeed) {
   EXPECT_DOUBLE_EQ(sensor_of(twice, "shaft speed of group 1").noise_floor, 2.0 * sensor_of(described_as(kThesisCrane), "shaft speed of group 1").noise_floor);
 }
 
+TEST(SensorsFile, GainsOfAccelerometersAreOneWhereTheFileHasNone) {
+  const SensorParameters without = described_as(kThesisCrane).machine.sensors;
+  EXPECT_EQ(without.pivot_gain, 1.0);
+  EXPECT_EQ(without.middle_gain, 1.0);
+  EXPECT_EQ(without.tip_gain, 1.0);
+  const SensorParameters with = described_as(kThesisCrane + "sensors:\n  middle_gain: {value: 98, unit: \"%\", source: test}\n  tip_gain: {value: 1.04, unit: \"-\", source: test}\n").machine.sensors;
+  EXPECT_EQ(with.pivot_gain, 1.0);
+  EXPECT_DOUBLE_EQ(with.middle_gain, 0.98);
+  EXPECT_EQ(with.tip_gain, 1.04);
+  EXPECT_NE(complaint_about(kThesisCrane + "sensors:\n  tip_gain: {value: -1, unit: \"-\", source: test}\n").find("tip_gain"), std::string::npos);
+}
+
 TEST(SensorsFile, WhatAMachineDoesNotHaveIsRefused) {
   EXPECT_NE(complaint_about(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0.02, unit: g, source: test}\n").find("sensors.acceleration_noise"), std::string::npos);
   EXPECT_NE(complaint_about(kThesisCrane + "sensors:\n  acceleration_noise: {value: 0, unit: m/s^2, source: test}\n").find("acceleration_noise': found 0 m"), std::string::npos);
