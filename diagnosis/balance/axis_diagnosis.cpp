@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "common/unit.h"
 #include "diagnosis/balance/balance_priors.h"
@@ -226,6 +227,8 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const std::vect
   validation.effort = root_mean_square(unseen.effort);
   validation.floor = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
   validation.noise = std::hypot(validation.floor, smoothed_effort_noise(last, balance.half_window));
+  const double tenth = last.step * static_cast<double>(last.position.size()) / static_cast<double>(kForwardStretches);
+  validation.drift = std::hypot(validation.noise * tenth / (std::sqrt(3.0) * nominal_inertia), unseen.speed_noise);
   validation.nominal_together = correlated_rms(unseen, balance.laws, bare(nominal_inertia, inertia_alone.skew), balance.resolved_speed);
   validation.cause_together = correlated_rms(unseen, balance.laws, diagnosis.validated, balance.resolved_speed);
   validation.speed = root_mean_square(unseen.speed);
@@ -267,8 +270,9 @@ void take_remainder(const sim::MachineFile& axis, const FittedSizes& sizes, Axis
     remainder.words = of_a_linear_axis(std::move(remainder.words));
   }
   AxisValidation& validation = diagnosis.validation;
-  validation.cause_together = std::max(validation.cause_together, std::sqrt(remainder.share) * sizes.rest);
-  validation.nominal_together = std::max(validation.nominal_together, validation.cause_together);
+  const double together = std::sqrt(remainder.share) * sizes.rest;
+  validation.cause_together = std::max(validation.cause_together, together);
+  validation.nominal_together = std::max(validation.nominal_together, together);
 }
 
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
@@ -356,6 +360,7 @@ bool is_each_sure(const BalanceModel& model) {
 struct Judgement {
   bool is_inertia_off = false;      // beyond its spread, and known well enough to say so
   bool is_gap = false;              // the nominal axis's residual is more than noise
+  bool is_faster = false;           // not the balance's, but what the nominal axis drifts by: more than any such residual makes, and so hidden by the window
   bool is_rest = false;             // so is the cause's
   bool is_inertia_doubted = false;  // the cause's residual goes together, and is so large that its law may be what the inertia was fitted to
   double share = 0.0;               // of the gap, that the cause explains on data that were not fitted
@@ -369,6 +374,8 @@ Judgement judged(double inertia_spread, const AxisDiagnosis& diagnosis) {
   Judgement judgement;
   judgement.is_inertia_off = !diagnosis.is_described && std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
   judgement.is_gap = !diagnosis.is_below_record && is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
+  judgement.is_faster = !diagnosis.is_below_record && !judgement.is_gap && validation.nominal.tenths > kAboveNoise * validation.drift;
+  judgement.is_gap |= judgement.is_faster;
   judgement.is_rest = is_above_noise(validation, validation.cause.balance, validation.cause_together) && diagnosis.transmission < kMost * after;
   const double moved = std::fabs(best.inertia - nominal) * validation.acceleration;  // by the inertia that is off
   judgement.is_inertia_doubted = !validation.is_other_direction && validation.cause_together > validation.floor && moved < kImitated * validation.cause_together;
@@ -379,8 +386,13 @@ Judgement judged(double inertia_spread, const AxisDiagnosis& diagnosis) {
 void say_unknown(const sim::MachineFile& axis, const Judgement& judgement, const std::string& why, AxisDiagnosis& diagnosis) {
   const AxisValidation& validation = diagnosis.validation;
   diagnosis.outcome = AxisOutcome::unknown;
-  diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
-                                  axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place, why);
+  if (judgement.is_faster) {
+    diagnosis.verdict = fmt::format("outside the catalogue (unknown): by the recorded effort the axis of the file is {:.3g} {} of {:.3g} off within a tenth of {}, which nothing that is slower than the balance's window of {:.3g} s "
+                                    "does, and {}", validation.nominal.tenths, axis.axis.is_linear ? "m/s" : "rad/s", validation.speed, validation.place, diagnosis.window, why);
+  } else {
+    diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
+                                    axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place, why);
+  }
   if (judgement.is_inertia_off && diagnosis.answer.best.terms.empty()) {
     diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and its residual is more than noise: something unknown may be what looks like it",
                                             inertia_words(axis, diagnosis.nominal_inertia, diagnosis.answer.best.inertia), 100.0 * std::clamp(judgement.share, 0.0, 1.0)));
@@ -477,10 +489,29 @@ void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnos
   }
 }
 
+// Laws that do not predict what the nominal axis predicts to the noise are none: moves of one frequency do not tell a spring from an inertia, nor records that hardly move any law.
+void give_up_best(AxisDiagnosis& diagnosis) {
+  BalanceAnswer& answer = diagnosis.answer;
+  const auto alone = std::find_if(answer.models.begin(), answer.models.end(), [](const BalanceModel& model) { return model.terms.empty(); });
+  if (alone == answer.models.end()) return;
+  diagnosis.remarks.push_back(fmt::format("{}: fitted to the other data, it does not predict {}, which the nominal axis does to the noise", answer.best.words(), diagnosis.validation.place));
+  for (LawProbability& law : answer.laws) {
+    const auto is_of_it = [&](const BalanceTerm& term) { return term.law == law.law; };
+    if (std::any_of(answer.best.terms.begin(), answer.best.terms.end(), is_of_it)) law.probability = std::max(0.0, law.probability - answer.best.probability);
+  }
+  alone->probability += std::exchange(answer.models.front().probability, 0.0);
+  std::rotate(answer.models.begin(), alone, alone + 1);
+  answer.best = answer.models.front();
+}
+
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
   const BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
-  const Judgement judgement = judged(inertia_spread, diagnosis);
+  Judgement judgement = judged(inertia_spread, diagnosis);
+  if (!judgement.is_gap && !best.terms.empty() && !validation.holds) {
+    give_up_best(diagnosis);
+    judgement = judged(inertia_spread, diagnosis);
+  }
   if (best.terms.empty() && !judgement.is_inertia_off && !judgement.is_gap) {
     diagnosis.outcome = AxisOutcome::nothing_missing;
     diagnosis.verdict = diagnosis.is_described ? "no effect is missing; the axis of the file, simulated with its transmission by the recorded efforts, has the residual of the records"
@@ -707,6 +738,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     });
     diagnosis.laws = balance.laws;
     diagnosis.half_window = balance.half_window;
+    diagnosis.window = records.front().step * static_cast<double>(2 * balance.half_window + 1);
     diagnosis.lateness = balance.lateness;
     if (axis.axis.is_linear) {
       for (BalanceLaw& law : balance.laws) law.words = of_a_linear_axis(std::move(law.words));

@@ -57,6 +57,7 @@ struct AxisValidation {
   double effort = 0.0, speed = 0.0, acceleration = 0.0;  // RMS of what was measured there
   double noise = 0.0;                // RMS of the balance's residual by noise of positions and efforts and by laws known no better
   double floor = 0.0;                // of this, what is not the efforts' noise
+  double drift = 0.0;                // RMS of the speed error that a residual of that noise makes in a tenth, if it is a constant
   // RMS of that part of the balance's residual that is no white noise of the efforts: it goes together over more than the window.
   double nominal_together = 0.0, cause_together = 0.0;
   bool holds = false;
@@ -98,6 +99,7 @@ struct AxisDiagnosis {
   std::vector<AxisSeries> series;               // per record
   std::vector<BalanceLaw> laws;                 // that were tried, in units of the axis
   std::size_t half_window = 0;                  // [samples] of the balance
+  double window = 0.0;                          // [s] all of it
   std::vector<Lateness> lateness;               // that was tried
 };
 
