@@ -89,6 +89,23 @@ TEST(Discrepancies, OfMotorsThatPullHarderToOneSideFollowTheTorque) {
   EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"torque"});
 }
 
+// A drive that lags while its torque rises, and follows at once while it falls.
+TEST(Discrepancies, OfADriveThatLagsTheOneWayFollowTheTorquesRate) {
+  struct Followed {
+    double torque = 0.0, time = 0.0;
+  };
+  std::vector<Followed> followed(sim::kMaximumGroupCount);
+  const auto law = [&followed](const MotorState& s) {
+    constexpr double kOver = 0.1, kLag = 0.06;  // [s]
+    Followed& own = followed[s.group];
+    if (s.time < own.time) own = {};  // another record
+    own.torque += (s.own_torque - own.torque) * (1.0 - std::exp((own.time - s.time) / kOver));
+    own.time = s.time;
+    return -kLag * std::max(0.0, s.own_torque - own.torque) / kOver;
+  };
+  EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"torque's rate"});
+}
+
 // Eighty segments in a turn, which the axis passes at its largest speed in about a characteristic time each.
 TEST(Discrepancies, OfATorqueThatComesManyTimesInATurnFollowTheAngle) {
   const auto law = [](const MotorState& s) { return 10.0 * std::sin(80.0 * s.angle + 1.0); };

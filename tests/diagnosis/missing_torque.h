@@ -17,6 +17,7 @@ inline const std::vector<Move> kFarToTheOther{{2.0, 0.5}, {7.0, 0.0}, {10.0, -1.
 struct MotorState {
   double time, angle, speed, torque;  // [s], [rad] and [rad/s] of the axis, [Nm per motor] mean amount
   double own_torque;                  // [Nm] of the motor from which it is missing
+  std::size_t group;                  // and which one it is
 };
 using TorqueLaw = std::function<double(const MotorState&)>;
 
@@ -29,9 +30,10 @@ inline void take_off(const TorqueLaw& missing, msgs::RunLog& log) {
     const auto after = [&](const msgs::Encoder& encoder) { return encoder.simulated_time > torque.simulated_time; };
     const auto next = std::find_if(log.encoder.begin(), log.encoder.end(), after);
     const msgs::Encoder& now = next == log.encoder.begin() ? *next : *(next - 1);
-    MotorState state{1e-9 * static_cast<double>(torque.simulated_time), now.shaft_position[0] / ratio, now.shaft_speed[0] / ratio, 0.0, 0.0};
+    MotorState state{1e-9 * static_cast<double>(torque.simulated_time), now.shaft_position[0] / ratio, now.shaft_speed[0] / ratio, 0.0, 0.0, 0};
     for (const double t : torque.motor_torque) state.torque += std::fabs(t) / static_cast<double>(torque.motor_torque.size());
-    for (double& t : torque.motor_torque) {
+    for (state.group = 0; state.group < torque.motor_torque.size(); ++state.group) {
+      double& t = torque.motor_torque[state.group];
       state.own_torque = t;
       t -= missing(state);
     }

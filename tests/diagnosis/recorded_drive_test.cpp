@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "diagnosis/prediction.h"
 #include "tests/diagnosis/bench.h"
@@ -200,6 +202,28 @@ TEST(OwnFile, PredictsItsOwnLogThroughItsOwnDrive) {
   sim::MachineSettings forgetful = machine;
   forgetful.drive_protection = {};
   EXPECT_GT(predict(forgetful, bench().controller, record).gaps[0].gap, 1.0);
+}
+
+// A controller that is slower than the recorder: its commands stand for so many rows, and each of them is one message. Where they change with every row, a row is one.
+TEST(MessageCycle, IsTheControllersOwn) {
+  Record record;
+  record.step = record.encoder_period = 0.01;
+  record.group_count = 2;
+  const auto written = [&](std::size_t rows, std::size_t first) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      record.motor_torque[g].clear();
+      for (std::size_t n = 0; n < 1000; ++n) record.motor_torque[g].push_back(std::sin(0.7 * static_cast<double>((n + rows - first) / rows) + static_cast<double>(g)));
+    }
+    return message_cycle(record);
+  };
+  const MessageCycle of_each = written(1, 0), of_five = written(5, 3);
+  EXPECT_EQ(of_each.commands, 1u);
+  EXPECT_EQ(of_five.commands, 5u);
+  EXPECT_EQ(of_five.sequence(2) + 1, of_five.sequence(3));
+  EXPECT_EQ(of_five.sequence(3), of_five.sequence(7));
+  EXPECT_EQ(of_five.sequence(7) + 1, of_five.sequence(8));
+  for (std::vector<double>& torque : record.motor_torque) std::fill(torque.begin(), torque.end(), 3.0);
+  EXPECT_EQ(message_cycle(record).commands, 1u);  // which shows nothing
 }
 
 }  // namespace
