@@ -604,7 +604,8 @@ TEST(Diagnose, KnowsALawOfTheAngleFromItsRelatives) {
   }
   std::vector<Record> records;
   unsigned noise = 31;
-  for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kFarToTheOther)}) {
+  // In a record the angle is a function of the time as well: it takes three to tell which one the residual follows.
+  for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kInching), std::pair("c", kFarToTheOther)}) {
     msgs::RunLog log = simulated_log(truth, bench().controller, moves, kDuration, noise++, 0.01);
     const auto wound = [](const MotorState& state) { return -8.0 * (state.angle / 0.2 + std::pow(state.angle / 0.2, 3)); };  // [Nm], 0.2 rad being what is slewed
     take_off(wound, log);
