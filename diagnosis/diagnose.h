@@ -60,6 +60,7 @@ struct Diagnosis {
   std::vector<Discrepancy> discrepancies;  // in the residual of the answer, or of parameters alone where it is unknown; empty: no more than noise
   std::vector<std::string> remarks;
   Nuisances nuisances;                   // that the points of the causes are told in
+  std::vector<FarParameter> far_parameters;  // with nothing missing, where that leaves no more than noise and yet is no machine of that make
   std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named
   Followed followed;
   std::vector<UnseenRecord> unseen;      // of the records that were given to be predicted alone

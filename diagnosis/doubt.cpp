@@ -87,6 +87,20 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
   }
 }
 
+void doubt_what_parameters_do_as_well(const common::EffectCatalogue& catalogue, const std::vector<FarParameter>& far, Ranking& ranking, std::vector<std::string>& remarks) {
+  if (far.empty()) return;
+  const auto says_what_a_parameter_is = [&](const common::EffectInstance& effect) { return !catalogue.at(effect.name).stands_for.empty(); };
+  for (Cause& cause : ranking.causes) {
+    const std::vector<common::EffectInstance>& effects = cause.point.effects;
+    if (effects.empty() || std::any_of(effects.begin(), effects.end(), says_what_a_parameter_is)) continue;
+    if (&cause == &ranking.causes.front()) {
+      remarks.push_back(fmt::format("{} is not sure: parameters alone leave no more than noise either, farther off than machines of one make differ ({}); check these numbers of the machine's file first", name_of(cause),
+                                    in_words(far)));
+    }
+    take_away(kDoubtful, false, cause, ranking);
+  }
+}
+
 void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
   const auto is_drawn = [&](const std::string& effect) { return is_stochastic(catalogue, effect); };
   for (Cause& cause : ranking.causes) {

@@ -8,6 +8,7 @@
 #include "common/effect.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/hidden_effects.h"
+#include "diagnosis/nuisance.h"
 #include "diagnosis/problem.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/screen.h"
@@ -34,6 +35,10 @@ void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
 // where the residual of parameters alone is noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
 void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,
                                std::vector<std::string>& remarks);
+
+// Parameters alone leave no more than noise, but such as machines of one make do not have: another machine than the nominal one explains the records as well as an effect that leaves
+// the parameters nearer. No such effect is sure, but for those that say of the machine what a parameter stands for. Of the first of the causes it is told in `remarks`.
+void doubt_what_parameters_do_as_well(const common::EffectCatalogue& catalogue, const std::vector<FarParameter>& far, Ranking& ranking, std::vector<std::string>& remarks);
 
 // A draw of a stochastic effect takes whatever has its power. It may stand for the law of the effect beside it, where the residual of that effect
 // alone is no larger a share of the gap than that of a law other than the catalogue's (the share of a cause that nobody knows, evidence.h). Then the

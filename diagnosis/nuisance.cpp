@@ -98,6 +98,27 @@ bool says_what_is_beyond(const Nuisances& nuisances, const common::EffectAbout& 
   return false;
 }
 
+std::vector<FarParameter> far_parameters(const Nuisances& nuisances, const std::vector<double>& amount) {
+  constexpr double kRangeEnds = 1.7320508075688772;  // [standard deviations] of an even distribution
+  constexpr std::size_t kMostTold = 4;
+  std::vector<std::size_t> far;
+  for (std::size_t k = 0; k < std::min(amount.size(), nuisances.parameters.size()); ++k) {
+    if (std::fabs(amount[k]) > kRangeEnds) far.push_back(k);
+  }
+  std::stable_sort(far.begin(), far.end(), [&](std::size_t a, std::size_t b) { return std::fabs(amount[a]) > std::fabs(amount[b]); });
+  std::vector<FarParameter> told;
+  for (const std::size_t k : far) {
+    if (told.size() < kMostTold) told.push_back({std::string(nuisances.parameters[k].name), nuisances.parameters[k].spread * amount[k]});
+  }
+  return told;
+}
+
+std::string in_words(const std::vector<FarParameter>& far) {
+  std::string words;
+  for (const FarParameter& one : far) words += fmt::format("{}{} {:+.0f} %", words.empty() ? "" : ", ", one.name, 100.0 * one.change);
+  return words;
+}
+
 PriorTerm effect_prior(double x) {
   const double weight = 1.0 / (1.0 + x * x / kStudent);
   return {kStudent * std::log1p(x * x / kStudent), weight * x, weight};

@@ -84,6 +84,16 @@ inline constexpr double kSpreadEnds = 2.0;  // [standard deviations]
 // Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with a steep cost where that ends.
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z);
 
+// A parameter of the machine's file as a fit has it, beyond the range of machines of one make.
+struct FarParameter {
+  std::string name;
+  double change = 0.0;  // [-] relative to the file's
+};
+// The farthest ones first, a few at most.
+std::vector<FarParameter> far_parameters(const Nuisances& nuisances, const std::vector<double>& amount);
+// "drive inertia +15 %, boom angle +6 %"
+std::string in_words(const std::vector<FarParameter>& far);
+
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
 // free as well.
 bool is_said_by(const Nuisances& nuisances, const common::EffectAbout& effect, std::size_t k);

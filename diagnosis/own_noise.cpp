@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -161,6 +162,7 @@ ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen:
         products += rows.real().transpose() * rows.real() + rows.imag().transpose() * rows.imag();
       },
       [&](const auto& rows) { products += rows.transpose() * rows; });
+  if (!products.allFinite()) return {difference.squaredNorm(), columns.transpose() * columns, columns.transpose() * difference};
   return {products(columns.cols(), columns.cols()), products.topLeftCorner(columns.cols(), columns.cols()), products.topRightCorner(columns.cols(), 1)};
 }
 
@@ -175,7 +177,7 @@ double square_by_less_noise(const Problem& problem, const Point& point, const Ei
         square += rows.squaredNorm();
       },
       [&](const auto& rows) { square += rows.squaredNorm(); });
-  return square;
+  return std::isfinite(square) ? square : difference.squaredNorm();
 }
 
 }  // namespace slewlab::diagnosis

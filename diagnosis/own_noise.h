@@ -24,7 +24,8 @@ struct ByOwnNoise {
   Eigen::VectorXd slope;  // J* V^-1 z
 };
 
-// In the machine at the point, where what acts while it runs and is not linear changes nothing. Columns may be none; `discrepancy_count` is m.
+// In the machine at the point, where what acts while it runs and is not linear changes nothing. Columns may be none; `discrepancy_count` is m. By the nominal machine's noise where that of the
+// machine is no number: a machine that shakes without end has none.
 ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns, double discrepancy_count);
 
 // z* V^-1 z where the machine makes nowhere more of the noise than the nominal one.

@@ -53,6 +53,23 @@ class Doubt : public testing::Test {
   std::vector<std::string> remarks;
 };
 
+TEST_F(Doubt, WhatParametersDoAsWellIsNotSure) {
+  common::EffectCatalogue effects = catalogue();
+  effects.effects[1].stands_for = {"load mass"};
+  nuisances.parameters = {{"drive inertia", 0.03, {}}, {"load mass", 0.03, {}}, {"boom angle", 0.03, {}}};
+  const std::vector<FarParameter> far = far_parameters(nuisances, {1.0, -2.0, 5.0});
+  EXPECT_EQ(in_words(far), "boom angle +15 %, load mass -6 %");
+  ranking = {{cause_of({"a"}, 0.6), cause_of({"b"}, 0.3), cause_of({}, 0.05)}, 0.05};
+  doubt_what_parameters_do_as_well(effects, far, ranking, remarks);
+  EXPECT_DOUBLE_EQ(of(0), 0.36);
+  EXPECT_EQ(of(1), 0.3);  // which says of the machine what a parameter stands for
+  EXPECT_EQ(of(2), 0.05);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("boom angle +15 %"), std::string::npos) << remarks[0];
+  doubt_what_parameters_do_as_well(effects, {}, ranking, remarks);
+  EXPECT_DOUBLE_EQ(of(0), 0.36);
+}
+
 TEST_F(Doubt, WhereTheNominalMachineIsEnoughNothingIsMissing) {
   ranking = {{cause_of({"a"}, 0.7), cause_of({}, 0.1)}, 0.2};
   settle_on_nothing(ranking);

@@ -145,6 +145,10 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
       return fmt::format("Not sure: {} acts, {:.0f} %, alone or beside another effect that these records do not tell; outside the catalogue (unknown) {:.0f} %.", effect, 100 * acts,
                          100 * diagnosis.probability_unknown);
     }
+    if (!diagnosis.far_parameters.empty() && !diagnosis.refuted) {
+      return fmt::format("Outside the catalogue (unknown), {:.0f} %, or another machine than the nominal one: parameters alone leave no more than noise, farther off than machines of one make differ ({}). Check these numbers "
+                         "of the machine's file first.", 100 * diagnosis.probability_unknown, diagnosis::in_words(diagnosis.far_parameters));
+    }
     const std::string followed = followed_text(diagnosis);
     std::string why = "no known effect explains the gap on data that were not fitted";
     if (diagnosis.refuted) {
@@ -225,6 +229,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
     json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
                                          {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
   }
+  for (const diagnosis::FarParameter& one : diagnosis.far_parameters) json["far_parameters"].push_back({{"parameter", one.name}, {"change", one.change}});
   for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause, diagnosis.nuisances.parameters));
   for (const diagnosis::UnseenRecord& one : diagnosis.unseen) {
     json["unseen"].push_back({{"log", one.record}, {"cause", one.cause}, {"validation", to_json(one.validation)},
