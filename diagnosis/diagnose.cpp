@@ -199,6 +199,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   if (found.nothing.mean_square <= 1.0 && !are_parameters_likely && is_machine_all && !is_nominal_enough) {
     diagnosis.far_parameters = far_parameters(problem.nuisances, found.nothing.point.nuisance);
+    sort_causes(ranking.causes);  // the first of them is told why it is doubted
     doubt_what_parameters_do_as_well(problem.catalogue, diagnosis.far_parameters, ranking, diagnosis.remarks);
   }
   doubt_what_no_machine_has(problem.catalogue, problem.nuisances, is_nominal_enough, is_nothing_left, ranking, diagnosis.remarks);
