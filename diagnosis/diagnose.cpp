@@ -166,12 +166,13 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
 // A cause that leads by draws which come the same way each time is none: what they follow is in no catalogue.
 void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kWorthALook = 0.05;  // probability, chosen
+  bool is_told = false;
   for (Cause& cause : ranking.causes) {
     if (cause.probability < kWorthALook || stochastic_part(problem.catalogue, cause.point).empty()) continue;
     const auto fit = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
     if (fit == fits.end()) continue;
     if (!law_in_draws(problem, *fit).is_law()) continue;
-    remarks.push_back(fmt::format("{} has the size of what is missing, but what is missing answers to each command in the same way, as nothing that happens by chance does", name_of(cause)));
+    if (!std::exchange(is_told, true)) remarks.push_back(fmt::format("{} has the size of what is missing, but what is missing answers to each command in the same way, as nothing that happens by chance does", name_of(cause)));
     take_away(1.0, false, cause, ranking);
   }
   sort_causes(ranking.causes);

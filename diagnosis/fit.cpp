@@ -27,7 +27,7 @@ constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings t
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
-constexpr double kStepDeviations = 1.0;  // the step where it is known how well the records tell the parameter, in what they leave open
+constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kMuchTooLong = 0.3;     // open over step, below which a column is taken again
 constexpr int kMostLooks = 4;
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.

@@ -18,7 +18,7 @@ namespace {
 constexpr double kLongestWindow = 0.5;  // [characteristic times]
 constexpr double kAmount = 0.01;        // of the rated torque, by the largest change: so little that no tooth parts
 constexpr std::uint64_t kDraws = 4;
-constexpr double kSameDirection = 1e-9;  // of the largest eigenvalue of the columns' products, added to all: two windows may be the same
+constexpr double kSameDirection = 1e-9;  // of the trace of the columns' products, added to their diagonal: two windows may be the same
 
 // What a change of the command counts by: the change, the command before it, the speed, each over its largest.
 using Factor = std::function<double(double change, double before, double speed)>;

@@ -502,6 +502,8 @@ void give_up_best(AxisDiagnosis& diagnosis) {
   alone->probability += std::exchange(answer.models.front().probability, 0.0);
   std::rotate(answer.models.begin(), alone, alone + 1);
   answer.best = answer.models.front();
+  diagnosis.validation.cause = diagnosis.validation.inertia;
+  diagnosis.validation.cause_together = diagnosis.validation.nominal_together;
 }
 
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
