@@ -57,7 +57,8 @@ bool says_tripped(const msgs::PlantStatus& status);
 struct MessageCycle {
   std::size_t commands = 1;
   std::size_t first = 0;  // command with which a message begins
-  std::int64_t sequence(std::size_t command) const { return static_cast<std::int64_t>((command + commands - first) / commands); }
+  // Of the message, from 0 on where one begins with the record; what is before the first beginning is of -1.
+  std::int64_t sequence(std::size_t command) const { return static_cast<std::int64_t>((command + commands - first) / commands) - 1; }
 };
 MessageCycle message_cycle(const Record& record);
 

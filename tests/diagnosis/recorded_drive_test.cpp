@@ -218,6 +218,7 @@ TEST(MessageCycle, IsTheControllersOwn) {
   };
   const MessageCycle of_each = written(1, 0), of_five = written(5, 3);
   EXPECT_EQ(of_each.commands, 1u);
+  for (const std::size_t n : {0u, 1u, 7u}) EXPECT_EQ(of_each.sequence(n), static_cast<std::int64_t>(n));  // as the controller numbers them: a draw goes by its message's number
   EXPECT_EQ(of_five.commands, 5u);
   EXPECT_EQ(of_five.sequence(2) + 1, of_five.sequence(3));
   EXPECT_EQ(of_five.sequence(3), of_five.sequence(7));
