@@ -49,6 +49,8 @@ Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns);
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
 
+inline constexpr double kFirstDamping = 1e-3;  // of a descent, chosen
+
 struct FitResult {
   Point point;
   Eigen::VectorXd difference;
@@ -61,6 +63,7 @@ struct FitResult {
   double residual_power = 0.0;
   std::vector<double> nuisance_deviation;  // of each nuisance parameter, in standard deviations of its prior; from the curvature
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; the same
+  double damping = kFirstDamping;    // with which its last descent led on
   int idle_rounds = 0;               // of its last rounds with fresh columns: they were worth little
   double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
   double cost_elsewhere = std::numeric_limits<double>::infinity();  // and from typical shapes

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -15,33 +16,41 @@ constexpr double kStanding = 0.02, kChanging = 0.05;  // shares of the record's 
 
 }  // namespace
 
+namespace {
+
+std::string name_of(const Channel& channel) {
+  return channel.is_torque ? fmt::format("torque of group {}", channel.index + 1) : fmt::format("{} acceleration", accelerometer_name(channel.index));
+}
+
+// Calls visit(channel, frequency [Hz], row) for the two rows of every bin of all records' spectra.
+void for_each_bin(const Problem& problem, const std::function<void(const Channel&, double, Eigen::Index)>& visit) {
+  Eigen::Index row = 0;
+  for (const Whitening& whitening : problem.whitening) {
+    for (const Channel& channel : whitening.channels) {
+      for (std::size_t b = 0; b < whitening.bin_count; ++b, row += 2) visit(channel, static_cast<double>(whitening.first_bin + b) * whitening.bin_width, row);
+    }
+    row += whitening.flanks_size();
+  }
+}
+
+}  // namespace
+
 std::vector<BandShare> bands_of_gap(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left) {
   const std::vector<double>& edges = problem.thresholds.band_edges;
   struct Sum {
     double square = 0.0, more = 0.0, count = 0.0;
   };
   std::map<std::pair<std::string, std::size_t>, Sum> sums;
-  Eigen::Index row = 0;
-  for (std::size_t r = 0; r < problem.records.size(); ++r) {
-    const Whitening& whitening = problem.whitening[r];
-    for (const Channel& channel : whitening.channels) {
-      const std::string name = channel.is_torque ? fmt::format("torque of group {}", channel.index + 1)
-                                                 : fmt::format("{} acceleration", accelerometer_name(channel.index));
-      for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-        const double frequency = static_cast<double>(whitening.first_bin + b) * whitening.bin_width;
-        std::size_t band = 0;
-        while (band + 2 < edges.size() && frequency >= edges[band + 1]) ++band;
-        Sum& sum = sums[{name, band}];
-        for (const Eigen::Index part : {row, row + 1}) {
-          sum.square += difference(part) * difference(part);
-          sum.more += difference(part) * difference(part) - left(part) * left(part);
-          sum.count += 1.0;
-        }
-        row += 2;
-      }
+  for_each_bin(problem, [&](const Channel& channel, double frequency, Eigen::Index row) {
+    std::size_t band = 0;
+    while (band + 2 < edges.size() && frequency >= edges[band + 1]) ++band;
+    Sum& sum = sums[{name_of(channel), band}];
+    for (const Eigen::Index part : {row, row + 1}) {
+      sum.square += difference(part) * difference(part);
+      sum.more += difference(part) * difference(part) - left(part) * left(part);
+      sum.count += 1.0;
     }
-    row += whitening.flanks_size();
-  }
+  });
   double total = 0.0;
   for (const auto& [key, sum] : sums) total += std::max(0.0, sum.more);
   std::vector<BandShare> bands;
@@ -52,6 +61,20 @@ std::vector<BandShare> bands_of_gap(const Problem& problem, const Eigen::VectorX
   }
   std::stable_sort(bands.begin(), bands.end(), [](const BandShare& a, const BandShare& b) { return a.share > b.share; });
   return bands;
+}
+
+SlowShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below) {
+  std::map<std::string, double> taken;
+  for_each_bin(problem, [&](const Channel& channel, double frequency, Eigen::Index row) {
+    if (!channel.is_torque && frequency < below) taken[name_of(channel)] += difference.segment<2>(row).squaredNorm() - left.segment<2>(row).squaredNorm();
+  });
+  SlowShare largest;
+  const double all = difference.squaredNorm() - left.squaredNorm();
+  if (all <= 0.0) return largest;
+  for (const auto& [channel, amount] : taken) {
+    if (amount / all > largest.share) largest = {channel, amount / all};
+  }
+  return largest;
 }
 
 namespace {

@@ -17,6 +17,13 @@ struct BandShare {
   double mean_square = 0.0;     // residual variance ratio of parameters alone; 1 = noise only
 };
 
+// Of what a fit takes away of the differences, the largest share that one accelerometer has of it below a frequency [Hz].
+struct SlowShare {
+  std::string channel;
+  double share = 0.0;
+};
+SlowShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below);
+
 struct Moment {
   std::string record;
   double time = 0.0;            // [s] its middle

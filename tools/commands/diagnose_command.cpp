@@ -25,6 +25,7 @@
 #include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/live_hypotheses.h"
 #include "diagnosis/next_manoeuvre.h"
 #include "diagnosis/nuisance.h"
@@ -366,6 +367,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
   out << "\nCauses\n";
   const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * diagnosis.probability_unknown);
   bool is_unknown_told = false;
+  const bool is_noise_left = diagnosis.mean_square_parameters <= diagnosis::kNoiseAlone;  // a share of it is none of the gap
   for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
     const Cause& cause = diagnosis.causes[i];
     if (!is_unknown_told && diagnosis.probability_unknown > cause.probability) {
@@ -378,7 +380,9 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
       out << fmt::format("  {:5.1f} %  {} (residual variance ratio on the fitted records: nominal {:.4g}, with them {:.3g})\n", 100 * cause.probability, told_name(cause), diagnosis.mean_square_nominal,
                          cause.mean_square);
     } else {
-      out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, told_name(cause), 100 * cause.explained);
+      out << fmt::format("  {:5.1f} %  {} ({})\n", 100 * cause.probability, told_name(cause),
+                         is_noise_left ? std::string("parameters alone leave no more than noise on the fitted records")
+                                       : fmt::format("share of the gap explained on the fitted records: {:.1f} %", 100 * cause.explained));
     }
     if (cause.validation) {
       const diagnosis::Validation& validation = *cause.validation;

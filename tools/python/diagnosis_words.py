@@ -10,6 +10,7 @@ from effect_words import manual_page, version, words_of
 from themed_page import escaped, printed, table
 
 SHOWN = 0.01  # probability from which a cause stands in the table; the first one does in any case
+NOISE_ALONE = 1.1  # largest residual variance ratio of noise alone (diagnosis/fit.h): a share of what parameters leave then is none of the gap
 NOTHING = "nothing is missing: the nominal machine, its parameters within their spread"
 UNKNOWN = "outside the catalogue (unknown)"
 HEADS = ("Cause", "Probability", "Size (90 % interval)", "Share of the gap explained, fitted records", "Validation")
@@ -192,7 +193,8 @@ def cause_table(found):
     if found.get("probability_hidden", 0.0) >= SHOWN:
         rows.append((found["probability_hidden"], "an effect that is too small for these records", NONE, NONE, NONE))
     for cause in causes:
-        share = f"{100 * cause['explained_share']:.1f} %" if cause["effects"] and "explained_share" in cause else NONE
+        is_told = cause["effects"] and "explained_share" in cause and found.get("residual_variance_ratio_parameters", NOISE_ALONE + 1.0) > NOISE_ALONE
+        share = f"{100 * cause['explained_share']:.1f} %" if is_told else NONE
         rows.append((cause["probability"], cause_cell(cause, found.get("gap", True)), sizes_cell(cause), share, validation_cell(found, cause, cause is causes[0])))
     rows.sort(key=lambda row: row[0], reverse=True)
     less = "" if len(causes) == len(found["causes"]) else f"<p class=faint>Causes of less than {100 * SHOWN:.0f} % are left out.</p>"

@@ -11,6 +11,7 @@ from import_table import CUT, check_numbers
 POSITIONS = ("shaft_position", "slew_angle")
 SPIKE = 20.0           # times the largest other second difference, chosen: motion spreads over several rows
 FEWEST_ROWS = 20       # fewer tell no motion from a jump
+FURTHEST = 8           # rows that are looked at: more than one jump puts off its neighbours
 
 
 def integral_of(values_of, seconds, holds, shelf):
@@ -97,7 +98,7 @@ def unwrapped(column, period, shelf):
 
 def check_jumps(entry, column, row, is_even):
     """A complaint about the first row of a position from which it jumps: by a turn, as a single-turn encoder does, or, where the rows
-    are even, there and back."""
+    are even, to stay or there and back."""
     if column.rows < FEWEST_ROWS:
         return
     largest = []  # (how far a row is off its neighbours' mean, row) of the few that are furthest
@@ -113,14 +114,46 @@ def check_jumps(entry, column, row, is_even):
                 entry.reader.report("column", f"a jump by {steps[at]:.6g}, about a turn, behind {row(first + at)} in column '{entry.column}'",
                                     "an angle that goes on; of an encoder that begins anew after each turn unwrap: {value: 360, unit: deg, source: ...}")
                 return
-        off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-        largest = sorted(largest + [(off[at], first + int(at) + 1) for at in np.argsort(off)[-8:]])[-8:]
+        largest = furthest_rows(largest, values, first)
+    jump = single_jump(largest)
+    if not is_even or jump is None:
+        return
+    place, stays = jump
+    around = f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}"
+    entry.reader.report("column", around, "a position that goes on; it jumps there and stays, as of an encoder that slips or is set anew: cut the data there with rows: {first: ..., last: ...}" if stays
+                        else f"a position that moves; this row jumps there and back{CUT}")
+
+
+def check_spike(entry, column, row):
+    """A complaint about one row of an acceleration that stands alone: what strikes a crane rings over several."""
+    if column.rows < FEWEST_ROWS:
+        return
+    largest = []
+    for begin, values in column.stretches(before=3):
+        largest = furthest_rows(largest, values, max(begin - 3, 0))
+    jump = single_jump(largest)
+    if jump is None or jump[1]:
+        return
+    place = jump[0]
+    entry.reader.report("column", f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}",
+                        f"an acceleration of the crane; no other row is a {SPIKE:g}th as far off its neighbours{CUT}")
+
+
+def furthest_rows(largest, values, first):
+    """The few rows that are furthest off their neighbours' mean, as (how far, row), with those of one more stretch that begins at row `first`."""
+    off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    return sorted(largest + [(float(off[at]), first + int(at) + 1) for at in np.argsort(off)[-FURTHEST:]])[-FURTHEST:]
+
+
+def single_jump(largest):
+    """The row at which a signal jumps as nowhere else, and whether it stays there; None where it does not."""
     most, place = largest[-1]
-    # A row that is off its neighbours puts these off theirs.
+    # A row that is off its neighbours puts these off theirs: each by half as much where it alone is off, one of them by as much where the signal stays.
     other = max((off for off, at in largest if abs(at - place) > 1), default=0.0)
-    if is_even and other > 0.0 and most > SPIKE * other:
-        entry.reader.report("column", f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}",
-                            f"a position that moves; this row jumps there and back{CUT}")
+    if other <= 0.0 or most <= SPIKE * other:
+        return None
+    beside = max((off for off, at in largest if abs(at - place) == 1), default=0.0)
+    return (min(at for off, at in largest if abs(at - place) <= 1 and off > 0.75 * most) + 1, True) if beside > 0.75 * most else (place, False)
 
 
 def of_entry(entry, name, column):
@@ -147,6 +180,8 @@ def convert(mapping, table, row, shelf):
     fail_if_wrong(mapping)
     for entry in (entry for name in POSITIONS for entry in mapping.signals.get(name, []) if entry.unwrap is None):
         check_jumps(entry, table.columns[entry.column].numbers, row, grid.is_of_rows)
+    for entry in (entry for name, entries in mapping.signals.items() if name.endswith("_acceleration") and grid.is_of_rows for entry in entries):
+        check_spike(entry, table.columns[entry.column].numbers, row)
     fail_if_wrong(mapping)
     period = (grid[-1] / NANOSECONDS - grid[0] / NANOSECONDS) / (len(grid) - 1)
     remarks = []

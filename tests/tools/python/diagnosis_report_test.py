@@ -54,7 +54,10 @@ TWO_NAMES = ("Not sure: torque_ripple with dead_time or torque_ripple with comma
              {"causes": [{"effects": ["torque_ripple", "dead_time"], "or": [["torque_ripple", "command_delay"]], "probability": 0.54, "explained_share": 1.0,
                           "sizes": [{"parameter": "dead_time.delay", "value": 0.003727, "unit": "s", "low_90": 0.0016, "high_90": 0.0058}]}],
               "probability_unknown": 0.2})
-MADE = {"sure": SURE, "doubtful": DOUBTFUL, "outside": OUTSIDE, "nothing missing": NOTHING_MISSING, "two names": TWO_NAMES}
+NOISE_LEFT = ("rope_length, 98 %; it explains 100.0 % of the gap on data that were not fitted.\n",
+              {"causes": [{"effects": ["rope_length"], "probability": 0.98, "explained_share": 0.024, "sizes": []}], "probability_unknown": 0.0,
+               "residual_variance_ratio_parameters": 0.7722})
+MADE = {"sure": SURE, "noise left": NOISE_LEFT, "doubtful": DOUBTFUL, "outside": OUTSIDE, "nothing missing": NOTHING_MISSING, "two names": TWO_NAMES}
 CUT = """[...document.querySelectorAll(".picture text")].filter((e) => e.textContent.trim()).filter((e) => {
     const a = e.getBoundingClientRect(), b = e.closest(".picture").getBoundingClientRect(); return a.left < b.left - 1 || a.right > b.right + 1; }).map((e) => e.textContent)"""
 
@@ -148,6 +151,12 @@ class DiagnosisReportTest(unittest.TestCase):
         self.assertIn("90.0 % not validated", told)
         self.assertIn("these records cannot tell it from wind (signature 4.0 % apart)", told)
         self.assertLess(told.index("outside the catalogue (unknown) 28.0 %"), told.index("8.0 %", told.index("28.0 %") + 4))
+
+    def test_a_share_of_noise_is_none_of_the_gap(self):
+        told = words(self.make("noise left"))
+        self.assertIn("98.0 %", told)
+        self.assertNotIn("2.4 %", told)
+        self.assertIn("2.4 %", words(self.make("noise left", residual_variance_ratio_parameters=1.2)))
 
     def test_nothing_missing_has_the_nominal_machines_errors_alone(self):
         told = words(self.make("nothing missing"))

@@ -446,6 +446,20 @@ motor_torque: {column: f, unit: N m, on: axis}
         data.loc[300, "angle_1"] += 50.0
         self.refused(data, "column 'angle_1' at data row 301 (line 302), between", "jumps there and back")
 
+    def test_a_position_that_jumps_and_stays_is_an_encoder_that_slips(self):
+        data = table()
+        data.loc[300:, "angle_1"] += 50.0
+        self.refused(data, "column 'angle_1' at data row 301 (line 302), between", "jumps there and stays", "an encoder that slips")
+
+    def test_one_row_of_an_acceleration_that_stands_alone_is_refused_and_what_rings_is_not(self):
+        data = table()
+        data.loc[300, "tip"] += 3e4
+        self.refused(data, "column 'tip' at data row 301 (line 302), between", "no other row is a 20th as far off")
+        data = table()
+        ring = 3e4 * np.exp(-np.arange(12) / 3.0) * np.cos(1.9 * np.arange(12))
+        data.loc[300:311, "tip"] += ring
+        self.assertEqual(self.call(data), (0, ""))
+
 
 if __name__ == "__main__":
     unittest.main()
