@@ -166,7 +166,7 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
 // What only one accelerometer has seen, more slowly than anything of the machine, an offset of it that wanders does as well: no such cause is sure.
 void doubt_what_an_offset_does(const Problem& problem, const FitResult& base, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kSlow = 5.0;    // lowest frequencies, chosen: up to the slowest load's pendulum
-  constexpr double kAlone = 0.8;   // share of what the cause takes away, chosen
+  constexpr double kAlone = 0.7;   // share of what the cause takes away, chosen
   constexpr double kDoubtful = 0.4;  // share of its probability that it loses, as doubted causes do (doubt.h): it still leads, and is not sure
   bool is_told = false;
   for (Cause& cause : ranking.causes) {
@@ -236,7 +236,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   validate();
   sort_causes(ranking.causes);
   give_up_draws_that_are_a_law(problem, found.fits, ranking, diagnosis.remarks);
-  doubt_what_an_offset_does(problem, base, found.fits, ranking, diagnosis.remarks);
+  doubt_what_an_offset_does(problem, searched.base, found.fits, ranking, diagnosis.remarks);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -588,6 +589,14 @@ void settle(Problem& problem, FitResult& result, int rounds, double reach) {
   for (int left = rounds; left > 0 && result.idle_rounds < kIdleRounds; --left) {
     const double before = result.cost;
     if (!improve(problem, result, true) || !would_come_down(before, result.cost, left - 1, reach)) return;
+  }
+}
+
+void settle_to_the_floor(Problem& problem, FitResult& result, int rounds) {
+  constexpr double kFloor = 0.3;  // fall of the cost by a round, chosen: little beside what two causes must differ by for one of them to be twice as likely
+  for (double before = std::numeric_limits<double>::infinity(); rounds > 0 && before - result.cost > kFloor; --rounds) {
+    before = result.cost;
+    improve(problem, result, true);
   }
 }
 

@@ -143,4 +143,7 @@ bool would_come_down(double from, double to, int rounds, double reach);
 // down to `reach`.
 void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
 
+// Rounds with fresh columns of both, at most as many, to the floor of its valley: for fits whose costs are compared.
+void settle_to_the_floor(Problem& problem, FitResult& result, int rounds);
+
 }  // namespace slewlab::diagnosis

@@ -16,6 +16,7 @@ std::string_view name_of(Ending ending) {
 namespace {
 
 constexpr double kLeastDamping = 1e-6, kMostDamping = 1e6;
+constexpr double kMostFirst = 0.1;   // with new slopes: what held back where the last ones were worn out, or had a kink, says nothing of these
 constexpr double kFastestFall = 0.1;  // of the damping, behind a step that kept its promise
 constexpr double kKept = 0.75;        // share of what was promised, beyond which the damping falls and small steps become larger ones
 
@@ -23,7 +24,7 @@ constexpr double kKept = 0.75;        // share of what was promised, beyond whic
 
 Descent descend(const Descending& problem, double cost, const AdaptingSettings& settings, double& damping) {
   Descent descent{cost, 0, Ending::no_descent};
-  double tried = damping, growth = 2.0;
+  double tried = std::min(damping, kMostFirst), growth = 2.0;
   int failures = 0, idle = 0;
   const auto ended = [&](Ending ending) {
     descent.ending = ending;
@@ -54,7 +55,6 @@ Descent descend(const Descending& problem, double cost, const AdaptingSettings& 
     } else {
       ++failures;
       const bool has_led_on = descent.ending == Ending::most_iterations;
-      if (!has_led_on) damping = std::min(tried, kMostDamping);
       // Steps so small that nothing is left to be promised do not fall where slopes have a kink.
       if (promised < settings.enough || (has_led_on && failures >= settings.failures)) return descent;
       tried *= growth;

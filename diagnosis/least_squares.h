@@ -57,7 +57,7 @@ struct AdaptingSettings {
   double enough = 0.0;  // fall of the cost: where no more is promised, the descent has settled
 };
 
-// From where `problem` stands, with `cost` there and from a damping on, which becomes the one that led on last, or that was tried last where none did.
+// From where `problem` stands, with `cost` there and from a damping on, which becomes the one that led on last.
 Descent descend(const Descending& problem, double cost, const AdaptingSettings& settings, double& damping);
 
 // From where `problem` stands, with `cost` there.

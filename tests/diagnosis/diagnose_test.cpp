@@ -380,8 +380,6 @@ TEST(Diagnose, IsNotSureOfWhatAnOffsetThatWandersDoes) {
   nominal.crane = bench().crane;
   const Diagnosis found = diagnose(nominal, bench().controller, std::move(records), {});
   EXPECT_FALSE(found.causes[0].probability > 0.7 && !found.causes[0].effects.empty()) << found.verdict << found.causes[0].probability;
-  for (const auto& cause : found.causes) fmt::print("{} {}\n", name_of(cause), cause.probability);
-  for (const auto& r : found.remarks) fmt::print("{}\n", r);
 }
 
 // What the file says of the drive is no effect that is missing.
