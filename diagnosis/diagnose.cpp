@@ -163,27 +163,6 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   return whitening;
 }
 
-// What only one accelerometer has seen, more slowly than anything of the machine, an offset of it that wanders does as well: no such cause is sure.
-void doubt_what_an_offset_does(const Problem& problem, const FitResult& base, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
-  constexpr double kSlow = 5.0;    // lowest frequencies, chosen: up to the slowest load's pendulum
-  constexpr double kAlone = 0.7;   // share of what the cause takes away, chosen
-  constexpr double kDoubtful = 0.4;  // share of its probability that it loses, as doubted causes do (doubt.h): it still leads, and is not sure
-  bool is_told = false;
-  for (Cause& cause : ranking.causes) {
-    if (cause.effects.empty() || cause.probability == 0.0) continue;
-    const auto fit = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
-    if (fit == fits.end()) continue;
-    const SlowShare slow = largest_slow_share(problem, base.difference, fit->difference, kSlow * problem.thresholds.whitening.lowest_frequency);
-    if (slow.share < kAlone) continue;
-    if (!std::exchange(is_told, true)) {
-      remarks.push_back(fmt::format("{} is not sure: {:.0f} % of what it explains is in the {} below {:.2g} Hz, and an offset of that sensor that wanders does the same; look at what it reads while the machine stands",
-                                    name_of(cause), 100.0 * slow.share, slow.channel, kSlow * problem.thresholds.whitening.lowest_frequency));
-    }
-    take_away(kDoubtful, false, cause, ranking);
-  }
-  sort_causes(ranking.causes);
-}
-
 // A cause that leads by draws which come the same way each time is none: what they follow is in no catalogue.
 void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kWorthALook = 0.05;  // probability, chosen
@@ -236,7 +215,15 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   validate();
   sort_causes(ranking.causes);
   give_up_draws_that_are_a_law(problem, found.fits, ranking, diagnosis.remarks);
-  doubt_what_an_offset_does(problem, searched.base, found.fits, ranking, diagnosis.remarks);
+  constexpr double kSlow = 5.0;  // lowest frequencies, chosen: up to the slowest load's pendulum
+  const double slow = kSlow * problem.thresholds.whitening.lowest_frequency;
+  doubt_what_an_offset_does(
+      [&](const Cause& cause) {
+        const auto fit = std::find_if(found.fits.begin(), found.fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
+        return fit == found.fits.end() ? SlowShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
+      },
+      slow, ranking, diagnosis.remarks);
+  sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);

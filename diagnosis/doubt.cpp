@@ -137,6 +137,21 @@ void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may
   }
 }
 
+void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks) {
+  constexpr double kMostOfIt = 0.7;  // chosen
+  bool is_told = false;
+  for (Cause& cause : ranking.causes) {
+    if (cause.effects.empty() || cause.probability == 0.0) continue;
+    const SlowShare seen = share_of(cause);
+    if (seen.share < kMostOfIt) continue;
+    if (!std::exchange(is_told, true)) {
+      remarks.push_back(fmt::format("{} is not sure: {:.0f} % of what it explains is in the {} below {:.2g} Hz, and an offset of that sensor that wanders does the same; look at what it reads while the machine stands",
+                                    name_of(cause), 100.0 * seen.share, seen.channel, slow));
+    }
+    take_away(kDoubtful, false, cause, ranking);
+  }
+}
+
 void share_with_other_laws(Ranking& ranking) {
   const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability * (1.0 - cause.with_unknown_law), 1.0 / kOtherLawTemper); };
   double sum = 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "diagnosis/problem.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/screen.h"
+#include "diagnosis/where.h"
 
 namespace slewlab::diagnosis {
 
@@ -51,6 +53,10 @@ bool is_chance_on_the_wire(const common::EffectCatalogue& catalogue, const std::
 // Commands that came between a record's rows, of a controller that is faster than the recorder, do what stochastic loss or delay of commands does. `may_hide_commands`: the records do not
 // show the controller's cycle, and nobody gave it. Then none of these effects is sure, and the first of them is told in `remarks`.
 void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may_hide_commands, Ranking& ranking, std::vector<std::string>& remarks);
+
+// What only one accelerometer has seen, below `slow` [Hz], more slowly than anything of the machine, an offset of it that wanders does as well: no cause of which `share_of` that is most of what
+// it explains is sure, and the first of them is told in `remarks`.
+void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);
 
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
 // with that much less weight. None comes to lead by that which has not predicted anything.
