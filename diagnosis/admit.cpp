@@ -283,19 +283,6 @@ Whitening whitening_between(const Problem& problem, const Record& record, const 
   return whitening;
 }
 
-namespace {
-
-bool is_read(const std::vector<Record>& records, sim::SensorPlace place) {
-  return std::any_of(records.begin(), records.end(), [&](const Record& record) {
-    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      if (!record.acceleration[a].empty() && sim::place_named(kAccelerometers<msgs::Sensors>[a].place) == place) return true;
-    }
-    return false;
-  });
-}
-
-}  // namespace
-
 bool has_coarse_counts(std::span<const Record> records) {
   return std::any_of(records.begin(), records.end(), [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
 }
@@ -319,7 +306,6 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
   const bool is_coarse = has_coarse_counts(records);
   const double latency = is_coarse ? problem.thresholds.coarse_latency : problem.thresholds.latency;
   problem.nuisances = nuisances_of(machine, std::max(latency, kLatencyOfPeriod * period));
-  std::erase_if(problem.nuisances.parameters, [&](const sim::Parameter& parameter) { return parameter.accelerometer && !is_read(records, *parameter.accelerometer); });
   const sim::GearContact gear = sim::gear_contact(nominal.crane);
   const sim::DriveParameters& drive = nominal.crane.drive;
   problem.nuisances.offset_groups = static_cast<std::size_t>(drive.group_count);

@@ -363,7 +363,11 @@ void try_recurring(Problem& problem, const Screening& screening, std::vector<Fit
   if (starts.empty()) return;
   std::vector<FitResult> tried(starts.size());
   share_out(problem, starts.size(), [&](std::size_t i) { tried[i] = fit(problem, nuisance_columns, starts[i]); });
-  settle(problem, *std::min_element(tried.begin(), tried.end(), cheaper), kFreshRounds);
+  // Of a law with two harmonics one length may be twice another: they leave the same where both have settled, and the likelier numbers tell.
+  const double near = std::min_element(tried.begin(), tried.end(), cheaper)->cost + kRival;
+  share_out(problem, tried.size(), [&](std::size_t i) {
+    if (tried[i].cost <= near) settle(problem, tried[i], kFreshRounds);
+  });
   take_cheaper(fits, std::move(tried));
   settle_best(problem, fits, kAnywhere);
 }

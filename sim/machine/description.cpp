@@ -180,8 +180,8 @@ std::vector<Parameter> all_parameters() {
         {"drive", "pinion_play", Unit::radian, [](C& c) -> double& { return c.drive.pinion_play; }}}},
       {"house inertia", kUnitDeviation,
        {{"house", "inertia", Unit::kilogram_square_metre, [](C& c) -> double& { return c.house.inertia; }}}},
-      {"house sensor radius", kAccelerometerDeviation,
-       {{"house", "sensor_radius", Unit::metre, [](C& c) -> double& { return c.house.sensor_radius; }}}, SensorPlace::house},
+      {"house sensor radius", kUnitDeviation,
+       {{"house", "sensor_radius", Unit::metre, [](C& c) -> double& { return c.house.sensor_radius; }}}},
       {"boom mass", kUnitDeviation, {{"boom", "mass", Unit::kilogram, [](C& c) -> double& { return c.boom.mass; }}}},
       {"boom bending stiffness", kUnitDeviation,
        {{"boom", "youngs_modulus", Unit::pascal, [](C& c) -> double& { return c.boom.youngs_modulus; }}}},
@@ -194,12 +194,6 @@ std::vector<Parameter> all_parameters() {
       {"rope length", kUnitDeviation, {{"load", "rope_length", Unit::metre, [](C& c) -> double& { return c.load.rope_length; }}}},
       {"rod length", kUnitDeviation, {{"load", "rod_length", Unit::metre, [](C& c) -> double& { return c.load.rod_length; }}}},
       {"load damping", kDampingDeviation, {{"load", "damping_ratio", Unit::none, [](C& c) -> double& { return c.load.damping_ratio; }}}},
-      {"pivot accelerometer gain", kAccelerometerDeviation,
-       {{"sensors", "pivot_gain", Unit::none, [](C& c) -> double& { return c.sensors.pivot_gain; }}}, SensorPlace::pivot},
-      {"middle accelerometer gain", kAccelerometerDeviation,
-       {{"sensors", "middle_gain", Unit::none, [](C& c) -> double& { return c.sensors.middle_gain; }}}, SensorPlace::middle},
-      {"tip accelerometer gain", kAccelerometerDeviation,
-       {{"sensors", "tip_gain", Unit::none, [](C& c) -> double& { return c.sensors.tip_gain; }}}, SensorPlace::tip},
   };
 }
 
@@ -210,7 +204,7 @@ std::vector<Parameter> parameters_of(const MachineFile& file) {
     const bool has_any = std::any_of(parameter.numbers.begin(), parameter.numbers.end(),
                                      [&](const FileNumber& number) { return number.of(machine) != 0.0; });
     const bool is_of_load = file.kind == MachineKind::crane && parameter.numbers.front().section == "load";
-    return !has_any || (is_of_load && machine.load.mass == 0.0) || (parameter.accelerometer && !has_place(machine, *parameter.accelerometer));
+    return !has_any || (is_of_load && machine.load.mass == 0.0);
   });
   take_spreads(file.spreads, parameters);
   return parameters;

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,7 +60,6 @@ struct Parameter {
   std::string_view name;
   double spread = 0.0;  // [-] one standard deviation of the factor, from unit to unit
   std::vector<FileNumber> numbers;
-  std::optional<SensorPlace> accelerometer = {};  // whose reading alone it changes
 };
 
 struct MachineDescription {
@@ -84,8 +82,5 @@ inline constexpr double kUnitSpread = 0.05;                                 // [
 inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [-]
 // Damping is measured at its best and mostly guessed: chosen, a standard deviation of a fifth.
 inline constexpr double kDampingDeviation = 0.2;  // [-]
-// 10 % either way: chosen, 5 % that data sheets allow the sensitivity of industrial accelerometers, and as much again where one is not screwed to the place, or not
-// lying in the direction, that the description has.
-inline constexpr double kAccelerometerDeviation = 0.1 / 1.7320508075688772;  // [-]
 
 }  // namespace slewlab::sim

@@ -382,24 +382,6 @@ TEST(Diagnose, IsNotSureOfWhatAnOffsetThatWandersDoes) {
   EXPECT_FALSE(found.causes[0].probability > 0.7 && !found.causes[0].effects.empty()) << found.verdict << found.causes[0].probability;
 }
 
-// One accelerometer at the tip that reads 6 % too much is a sensor within its spread, and no scale of the encoders; it is found beside the acceleration that the encoders tell.
-TEST(Diagnose, AnAccelerometersGainIsAParameter) {
-  constexpr double kGain = 1.06;
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  truth.crane.boom.element_count = kBoomElements;
-  truth.crane.sensors.tip_gain = kGain;
-  const Diagnosis found = diagnose_truth(truth, bench().controller, 5);
-  EXPECT_FALSE(found.gap) << found.verdict;
-  EXPECT_GT(found.mean_square_nominal, 1.0);
-  ASSERT_FALSE(found.causes.empty());
-  ASSERT_TRUE(found.causes[0].effects.empty()) << found.verdict;
-  const std::vector<sim::Parameter>& parameters = found.nuisances.parameters;
-  const auto tip = std::find_if(parameters.begin(), parameters.end(), [](const sim::Parameter& parameter) { return parameter.accelerometer == sim::SensorPlace::tip; });
-  ASSERT_NE(tip, parameters.end());
-  EXPECT_NEAR(1.0 + tip->spread * found.causes[0].point.nuisance[static_cast<std::size_t>(tip - parameters.begin())], kGain, 0.01);
-}
-
 // What the file says of the drive is no effect that is missing.
 TEST(Diagnose, SaysNothingIsMissingWhereTheFilesOwnDriveLimitsTheTorque) {
   sim::MachineSettings truth;
