@@ -35,8 +35,7 @@ constexpr int kMostLooks = 4;
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
 constexpr double kFiner = 0.1;  // of the steps where boom and load answer linearly until teeth leave their flank
-// That the records leave open along a direction: how far its quotient goes; behind a round that was worth little over a kink of the slopes, of which teeth make many, a tenth.
-constexpr double kDirectionDeviations = 1.0, kFineDeviations = 0.1;
+constexpr double kDirectionDeviations = 1.0;  // that the records leave open along a direction: how far its quotient goes
 
 }  // namespace
 
@@ -214,7 +213,7 @@ CoordinateBlocks free_nuisances(const Problem& problem, const Point& point) {
 }
 
 // The columns of free nuisances along the axes of what the records leave open.
-void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double deviations, Eigen::MatrixXd& columns) {
+void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen::VectorXd& difference, Eigen::MatrixXd& columns) {
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   const CoordinateBlocks blocks = free_nuisances(problem, point);
   std::vector<bool> is_free(point.nuisance.size(), false);
@@ -231,7 +230,7 @@ void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen:
     if (is_place_in_motion(problem.nuisances, static_cast<std::size_t>(i), point.nuisance.size())) longest(i) *= kFiner;
   }
   const Eigen::MatrixXd curvature_here = curvature(problem, point, difference, gram_of(columns), problem.settings.law_freedom).topLeftCorner(nuisances, nuisances);
-  const ColumnDirections directions = column_directions(curvature_here, blocks, longest, deviations);
+  const ColumnDirections directions = column_directions(curvature_here, blocks, longest, kDirectionDeviations);
   std::vector<Point> points;
   const auto move_along = [&](const Eigen::MatrixXd& changes_of_point) {
     for (Eigen::Index i = 0; i < changes_of_point.cols(); ++i) {
@@ -245,9 +244,9 @@ void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen:
 }
 
 // Of all of them; of nuisances that an effect holds, and of beginnings that no machine at the point knows of: zero. By `steps` where nothing is known of them.
-void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, double deviations, Eigen::MatrixXd& columns) {
+void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
   if (!columns.leftCols(static_cast<Eigen::Index>(nuisance_count(problem))).isZero(0.0)) {
-    renew_columns_along_axes(problem, point, difference, deviations, columns);
+    renew_columns_along_axes(problem, point, difference, columns);
     return;
   }
   Moves moves;
@@ -402,8 +401,7 @@ namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
   const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  const double deviations = result.idle_rounds % 2 == 0 ? kDirectionDeviations : kFineDeviations;
-  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, deviations, result.columns);
+  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
   take_effect_columns(problem, result.point, result.difference, steps, result.columns);
   const double first_cost = result.cost;
   descend(problem, result, law_freedom);
@@ -561,7 +559,7 @@ FitResult fit_again(Problem& problem, const FitResult& fitted) {
 
 void renew_columns(Problem& problem, FitResult& result) {
   const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  renew_nuisance_columns(problem, result.point, result.difference, steps, kDirectionDeviations, result.columns);
+  renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
   take_effect_columns(problem, result.point, result.difference, steps, result.columns);
 }
 
@@ -590,8 +588,7 @@ bool would_come_down(double from, double to, int rounds, double reach) { return 
 void settle(Problem& problem, FitResult& result, int rounds, double reach) {
   for (int left = rounds; left > 0 && result.idle_rounds < kIdleRounds; --left) {
     const double before = result.cost;
-    improve(problem, result, true);
-    if (!would_come_down(before, result.cost, left - 1, reach)) return;
+    if (!improve(problem, result, true) || !would_come_down(before, result.cost, left - 1, reach)) return;
   }
 }
 

@@ -139,7 +139,8 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
 // Whether a fit whose last round led from one cost to another would come down to `reach` in so many more at that pace.
 bool would_come_down(double from, double to, int rounds, double reach);
 
-// Rounds with fresh columns of both, at most as many, until two in a row were worth little; none where those that are left would not come down to `reach`.
+// Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such, and none where those that are left would not come
+// down to `reach`.
 void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
 
 // Rounds with fresh columns of both, at most as many, to the floor of its valley: for fits whose costs are compared.
