@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
-#include "diagnosis/column_directions.h"
 #include "diagnosis/quiet_beginnings.h"
 
 namespace slewlab::diagnosis {
@@ -18,7 +16,7 @@ namespace {
 
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
-constexpr int kMostFailures = 3;  // in a row, behind which columns that have led on are taken anew
+constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
 // From far off a fit goes as if it did not know the noise's size and, where its residual then is more than noise, as if it nearly did: contacts make
 // the differences uneven, and one way may end where another does not.
@@ -34,8 +32,7 @@ constexpr double kMuchTooLong = 0.3;     // open over step, below which a column
 constexpr int kMostLooks = 4;
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
-constexpr double kFiner = 0.1;  // of the steps where boom and load answer linearly until teeth leave their flank
-constexpr double kDirectionDeviations = 1.0;  // that the records leave open along a direction: how far its quotient goes
+constexpr double kFiner = 0.1;  // of the steps, where a descent by them promised much and led nowhere
 
 }  // namespace
 
@@ -199,60 +196,15 @@ void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& 
   }
 }
 
-// Those of all records that are free at the point, and of each record's own those that some machine at the point knows of.
-CoordinateBlocks free_nuisances(const Problem& problem, const Point& point) {
-  CoordinateBlocks blocks;
-  for (std::size_t k = 0; k < problem.nuisances.common_count(); ++k) {
-    if (!is_held(problem, point, k)) blocks.common.push_back(static_cast<Eigen::Index>(k));
-  }
-  for (const std::vector<std::size_t>& move : moves_of_beginnings(problem, point)) {
-    blocks.own.resize(move.size());
-    for (std::size_t r = 0; r < move.size(); ++r) blocks.own[r].push_back(static_cast<Eigen::Index>(move[r]));
-  }
-  return blocks;
-}
-
-// The columns of free nuisances along the axes of what the records leave open.
-void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen::VectorXd& difference, Eigen::MatrixXd& columns) {
-  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
-  const CoordinateBlocks blocks = free_nuisances(problem, point);
-  std::vector<bool> is_free(point.nuisance.size(), false);
-  const auto are_free = [&](const std::vector<Eigen::Index>& some) {
-    for (const Eigen::Index k : some) is_free[static_cast<std::size_t>(k)] = true;
-  };
-  are_free(blocks.common);
-  for (const std::vector<Eigen::Index>& own : blocks.own) are_free(own);
-  for (Eigen::Index k = 0; k < nuisances; ++k) {
-    if (!is_free[static_cast<std::size_t>(k)]) columns.col(k).setZero();
-  }
-  Eigen::VectorXd longest = Eigen::VectorXd::Constant(nuisances, kNuisanceStep);
-  for (Eigen::Index i = 0; i < nuisances; ++i) {
-    if (is_place_in_motion(problem.nuisances, static_cast<std::size_t>(i), point.nuisance.size())) longest(i) *= kFiner;
-  }
-  const Eigen::MatrixXd curvature_here = curvature(problem, point, difference, gram_of(columns), problem.settings.law_freedom).topLeftCorner(nuisances, nuisances);
-  const ColumnDirections directions = column_directions(curvature_here, blocks, longest, kDirectionDeviations);
-  std::vector<Point> points;
-  const auto move_along = [&](const Eigen::MatrixXd& changes_of_point) {
-    for (Eigen::Index i = 0; i < changes_of_point.cols(); ++i) {
-      Point& moved = points.emplace_back(point);
-      for (Eigen::Index k = 0; k < nuisances; ++k) moved.nuisance[static_cast<std::size_t>(k)] += changes_of_point(k, i);
-    }
-  };
-  move_along(directions.own);
-  move_along(directions.common);
-  columns_along(directions, blocks, changes(problem, column_base(problem, point, difference), points), first_rows(problem), columns);
-}
-
-// Of all of them; of nuisances that an effect holds, and of beginnings that no machine at the point knows of: zero. By `steps` where nothing is known of them.
+// Of all of them; of nuisances that an effect holds, and of beginnings that no machine at the point knows of: zero.
 void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
-  if (!columns.leftCols(static_cast<Eigen::Index>(nuisance_count(problem))).isZero(0.0)) {
-    renew_columns_along_axes(problem, point, difference, columns);
-    return;
-  }
   Moves moves;
   for (std::size_t k = 0; k < problem.nuisances.common_count(); ++k) {
-    if (!is_held(problem, point, k)) moves.push_back({k});
+    if (is_held(problem, point, k)) columns.col(static_cast<Eigen::Index>(k)).setZero();
+    else moves.push_back({k});
   }
+  const auto common = static_cast<Eigen::Index>(problem.nuisances.common_count());
+  columns.middleCols(common, static_cast<Eigen::Index>(nuisance_count(problem)) - common).setZero();
   const Moves beginnings = moves_of_beginnings(problem, point);
   moves.insert(moves.end(), beginnings.begin(), beginnings.end());
   renew_columns(problem, point, difference, steps, moves, columns);
@@ -325,7 +277,7 @@ Eigen::MatrixXd turned(Eigen::MatrixXd gram, const Eigen::MatrixXd& effect_axes)
 
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
 // too bold.
-void descend(Problem& problem, FitResult& result, double law_freedom) {
+Descent descend(Problem& problem, FitResult& result, double law_freedom) {
   Point trial;
   Eigen::VectorXd trial_difference;
   double trial_cost = 0.0;
@@ -358,7 +310,10 @@ void descend(Problem& problem, FitResult& result, double law_freedom) {
     result.difference = trial_difference;
     result.cost = trial_cost;
   };
-  result.ending = descend(problem_here, result.cost, AdaptingSettings{problem.settings.attempts, kMostFailures, problem.settings.enough}, result.damping).ending;
+  const FitSettings& settings = problem.settings;
+  const Descent descent = descend(problem_here, result.cost, {settings.iterations, kDampings, settings.enough, settings.enough_share});
+  result.ending = descent.ending;
+  return descent;
 }
 
 }  // namespace
@@ -400,12 +355,22 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
-  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
-  take_effect_columns(problem, result.point, result.difference, steps, result.columns);
+  Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+  const auto take_columns = [&] {
+    if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
+    take_effect_columns(problem, result.point, result.difference, steps, result.columns);
+  };
+  const auto worth = [&] { return problem.settings.settled + problem.settings.settled_share * std::max(0.0, result.cost); };
   const double first_cost = result.cost;
-  descend(problem, result, law_freedom);
-  const bool was_worth_it = first_cost - result.cost > problem.settings.settled + problem.settings.settled_share * std::max(0.0, result.cost);
+  take_columns();
+  const Descent descent = descend(problem, result, law_freedom);
+  // Difference quotients over steps that are long against what quiet sensors leave open lead nowhere.
+  if (fresh_nuisances && descent.ending == Ending::no_descent && first_cost - result.cost <= worth() && descent.promised > worth()) {
+    steps *= kFiner;
+    take_columns();
+    descend(problem, result, law_freedom);
+  }
+  const bool was_worth_it = first_cost - result.cost > worth();
   if (was_worth_it) result.idle_rounds = 0;
   else if (fresh_nuisances) ++result.idle_rounds;
   return was_worth_it;
@@ -421,7 +386,6 @@ void improve_until_idle(Problem& problem, FitResult& result, int rounds, double 
 // Nothing is known of the columns: the first steps.
 void forget_columns(const Problem& problem, FitResult& result) {
   result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
-  result.damping = kFirstDamping;
 }
 
 // From where it stands, with the differences there.
@@ -447,8 +411,6 @@ FitResult nominal_fit(Problem& problem) {
 }
 
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise) {
-  // What a record's beginning is like is no property of the machine, and what it does stays in its own record until teeth part: known first, it leads the parameters no way astray.
-  const FitResult begun = nominal_with_beginnings(problem, nominal).value_or(nominal);
   std::optional<FitResult> best_yet;
   bool has_met = false;  // two ways
   const auto settle_from = [&](FitResult one) {
@@ -459,7 +421,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::o
   // From the nominal machine directly as well: beside an effect that no parameter follows, a way from far parameters ends at a wrong one.
   const auto try_from_afar = [&](std::optional<double> times) {
     if (has_met || (best_yet && mean_square(best_yet->difference) <= 1.0)) return;
-    FitResult one = begun;
+    FitResult one = nominal;
     forget_columns(problem, one);
     if (times) settle_from_afar(problem, one, *times, problem.settings.rounds);
     settle_from(std::move(one));
@@ -490,10 +452,10 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::o
   if (quieten_beginnings(problem.nuisances, quiet)) begin_again(std::move(quiet));
   // Parameters that went along with a beginning that was not found yet do not come back from there either, once it is.
   if (mean_square(best.difference) > 1.0) {
-    std::optional<FitResult> begun_there = nominal_with_beginnings(problem, best);
-    if (begun_there && begun_there->cost < best.cost) {
-      settle_nuisances(problem, *begun_there);
-      best = std::move(*begun_there);
+    std::optional<FitResult> begun = nominal_with_beginnings(problem, best);
+    if (begun && begun->cost < best.cost) {
+      settle_nuisances(problem, *begun);
+      best = std::move(*begun);
     }
   }
   conclude(problem, best);
@@ -589,14 +551,6 @@ void settle(Problem& problem, FitResult& result, int rounds, double reach) {
   for (int left = rounds; left > 0 && result.idle_rounds < kIdleRounds; --left) {
     const double before = result.cost;
     if (!improve(problem, result, true) || !would_come_down(before, result.cost, left - 1, reach)) return;
-  }
-}
-
-void settle_to_the_floor(Problem& problem, FitResult& result, int rounds) {
-  constexpr double kFloor = 0.3;  // fall of the cost by a round, chosen: little beside what two causes must differ by for one of them to be twice as likely
-  for (double before = std::numeric_limits<double>::infinity(); rounds > 0 && before - result.cost > kFloor; --rounds) {
-    before = result.cost;
-    improve(problem, result, true);
   }
 }
 

@@ -49,8 +49,6 @@ Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns);
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
 
-inline constexpr double kFirstDamping = 1e-3;  // of a descent, chosen
-
 struct FitResult {
   Point point;
   Eigen::VectorXd difference;
@@ -63,7 +61,6 @@ struct FitResult {
   double residual_power = 0.0;
   std::vector<double> nuisance_deviation;  // of each nuisance parameter, in standard deviations of its prior; from the curvature
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; the same
-  double damping = kFirstDamping;    // with which its last descent led on
   int idle_rounds = 0;               // of its last rounds with fresh columns: they were worth little
   double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
   double cost_elsewhere = std::numeric_limits<double>::infinity();  // and from typical shapes
@@ -142,8 +139,5 @@ bool would_come_down(double from, double to, int rounds, double reach);
 // Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such, and none where those that are left would not come
 // down to `reach`.
 void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
-
-// Rounds with fresh columns of both, at most as many, to the floor of its valley: for fits whose costs are compared.
-void settle_to_the_floor(Problem& problem, FitResult& result, int rounds);
 
 }  // namespace slewlab::diagnosis

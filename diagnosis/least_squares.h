@@ -1,12 +1,10 @@
-// The least-squares descents of every fit: Gauss-Newton steps that are held back where the cost would rise (Levenberg 1944, Marquardt 1963),
+// The least-squares descent of every fit: Gauss-Newton steps that are held back where the cost would rise (Levenberg 1944, Marquardt 1963),
 //
 //   (H + damping diag(H)) step = -g,
 //
 // g half the slope of the cost where the descent stands and H the curvature that goes with it (J^T W J and the prior's). The dampings
 // are tried in turn until the cost falls. A damped step is shorter and turns towards the steepest descent, which a shorter one of
-// the same direction would not. Where slopes cost much more than an attempt, the damping follows what the attempts made of the fall that the model had
-// promised (Nielsen 1999), and the next slopes begin with the damping that led on last: along a narrow curved valley neither the whole step leads on nor one of
-// a few that are damped by orders of magnitude.
+// the same direction would not.
 #pragma once
 
 #include <Eigen/Core>
@@ -49,16 +47,8 @@ struct Descent {
   double cost = 0.0;
   int iterations = 0;
   Ending ending = Ending::most_iterations;
+  double promised = 0.0;  // fall of the cost, -g^T step, by the undamped step from where it ended: where no step makes it fall and much was promised, the slopes were wrong
 };
-
-struct AdaptingSettings {
-  int attempts = 0;
-  int failures = 0;     // in a row that end a descent which has led on: the slopes are worn out
-  double enough = 0.0;  // fall of the cost: where no more is promised, the descent has settled
-};
-
-// From where `problem` stands, with `cost` there and from a damping on, which becomes the one that led on last.
-Descent descend(const Descending& problem, double cost, const AdaptingSettings& settings, double& damping);
 
 // From where `problem` stands, with `cost` there.
 Descent descend(const Descending& problem, double cost, const DescentSettings& settings);

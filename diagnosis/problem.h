@@ -26,7 +26,7 @@ namespace slewlab::diagnosis {
 struct FitSettings {
   double law_freedom = 100.0;      // nu
   double independent_share = 0.3;  // s
-  int attempts = 12;       // per round, each round with fresh columns
+  int iterations = 4;      // per round, each round with fresh columns
   int rounds = 12;         // at most, for the nuisances alone
   // Falls of the cost that were too small to go on: the fixed part in units of -2 ln of a probability.
   double enough = 0.5, enough_share = 0.002;   // of an iteration

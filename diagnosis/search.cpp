@@ -32,7 +32,6 @@ constexpr int kPairsPerLeader = 2;              // that are refined beside each 
 constexpr double kLargeResidual = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
 constexpr double kNotFar = 0.1;                   // chance of machines that lie as far from nominal, above which parameters hide no effect where they leave noise alone; chosen
 constexpr double kFarBehind = 4.0;               // times what the best law leaves, beyond which a law for a spell is not looked for at other times; chosen
-constexpr double kRival = 20.0;                // of the cost: the odds are beyond doubt
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -363,11 +362,7 @@ void try_recurring(Problem& problem, const Screening& screening, std::vector<Fit
   if (starts.empty()) return;
   std::vector<FitResult> tried(starts.size());
   share_out(problem, starts.size(), [&](std::size_t i) { tried[i] = fit(problem, nuisance_columns, starts[i]); });
-  // Of a law with two harmonics one length may be twice another: they leave the same where both have settled, and the likelier numbers tell.
-  const double near = std::min_element(tried.begin(), tried.end(), cheaper)->cost + kRival;
-  share_out(problem, tried.size(), [&](std::size_t i) {
-    if (tried[i].cost <= near) settle(problem, tried[i], kFreshRounds);
-  });
+  settle(problem, *std::min_element(tried.begin(), tried.end(), cheaper), kFreshRounds);
   take_cheaper(fits, std::move(tried));
   settle_best(problem, fits, kAnywhere);
 }
@@ -774,11 +769,6 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   const Progress going_back = within(tell, kGoBack);
   if (!fits.empty() && fits.front().cost < reach_of(base)) meet(problem, base, screening, same_as, settings, looked_beside, fits, going_back);
-  // Rivals are weighed by costs that differ by a few units.
-  going_back(0.85, "settling the rivals");
-  share_out(problem, fits.size(), [&, least = fits.empty() ? 0.0 : std::min_element(fits.begin(), fits.end(), cheaper)->cost](std::size_t i) {
-    if (fits[i].cost <= least + kRival) settle_to_the_floor(problem, fits[i], kFreshRounds);
-  });
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });
   going_back(0.9, "fitting by what the noise is in each machine");
   fit_by_own_noise(problem, fits);

@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <tuple>
 
 #include "diagnosis/stochastic.h"
 
@@ -321,36 +320,30 @@ std::vector<DrawnStart> drawn_powers(Problem& problem, const Screening& screenin
   return drawn;
 }
 
-// The places of the best power among those drawn, and of one that is nearly as good, by the effect and the place of the fit among the ground's. No fit is copied before it is
+// The place of the best power among those drawn, by the effect and the place of the fit among the ground's. No fit is copied before it is
 // known to be worth it.
-using BestDrawn = std::map<std::pair<std::string, std::size_t>, std::vector<std::size_t>>;
-BestDrawn best_of_drawn(const Problem& problem, const std::vector<DrawnStart>& drawn) {
-  constexpr double kNearlyAsGood = 20.0;  // of the cost, chosen: by so little a fit of parameters that know nothing of the draws may tell two wrong
+using BestDrawn = std::map<std::pair<std::string, std::size_t>, std::size_t>;
+BestDrawn best_of_drawn(const std::vector<DrawnStart>& drawn) {
   BestDrawn best;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     for (std::size_t b = 0; b < drawn[i].found.size(); ++b) {
-      if (drawn[i].found[b].scale != 0.0) best[{drawn[i].start->start.name, b}].push_back(i);
+      const PowerFit& found = drawn[i].found[b];
+      if (found.scale == 0.0) continue;
+      const auto [entry, is_new] = best.try_emplace({drawn[i].start->start.name, b}, i);
+      if (!is_new && found.cost < drawn[entry->second].found[b].cost) entry->second = i;
     }
-  }
-  for (auto& [key, places] : best) {
-    const auto cost = [&drawn, b = key.second](std::size_t i) { return drawn[i].found[b].cost; };
-    std::stable_sort(places.begin(), places.end(), [&](std::size_t i, std::size_t j) { return cost(i) < cost(j); });
-    places.resize(std::min<std::size_t>(places.size(), 2));
-    if (problem.settings.independent_share * (cost(places.back()) - cost(places.front())) > kNearlyAsGood) places.resize(1);
   }
   return best;
 }
 
-// Of each stochastic effect beside each fit the best powers, drawn again where the fit stands.
+// Of each stochastic effect beside each fit the best power, drawn again where the fit stands.
 std::list<Try> tries_of(Problem& problem, const Ground& ground, const std::vector<DrawnStart>& drawn, const Progress& tell) {
-  std::vector<std::tuple<std::string, std::size_t, std::size_t>> best;  // effect, fit of the ground, start
-  for (const auto& [key, places] : best_of_drawn(problem, drawn)) {
-    for (const std::size_t i : places) best.emplace_back(key.first, key.second, i);
-  }
+  const BestDrawn best = best_of_drawn(drawn);
   const auto count = ground.besides.front()->difference.size();
   std::list<Try> tries;
   std::size_t told = 0;
-  for (const auto& [name, b, i] : best) {
+  for (const auto& [key, i] : best) {
+    const auto& [name, b] = key;
     tell(static_cast<double>(told++) / static_cast<double>(best.size()), "drawing " + name);
     const FitResult& beside = *ground.besides[b];
     const PowerFit& found = drawn[i].found[b];
