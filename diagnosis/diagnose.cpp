@@ -163,14 +163,20 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   return whitening;
 }
 
+// That of the cause's effects; null where there is none.
+const FitResult* fit_of(const std::vector<FitResult>& fits, const Cause& cause) {
+  const auto fit = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
+  return fit == fits.end() ? nullptr : &*fit;
+}
+
 // A cause that leads by draws which come the same way each time is none: what they follow is in no catalogue.
 void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>& fits, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kWorthALook = 0.05;  // probability, chosen
   bool is_told = false;
   for (Cause& cause : ranking.causes) {
     if (cause.probability < kWorthALook || stochastic_part(problem.catalogue, cause.point).empty()) continue;
-    const auto fit = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
-    if (fit == fits.end()) continue;
+    const FitResult* const fit = fit_of(fits, cause);
+    if (fit == nullptr) continue;
     if (!law_in_draws(problem, *fit).is_law()) continue;
     if (!std::exchange(is_told, true)) remarks.push_back(fmt::format("{} has the size of what is missing, but what is missing answers to each command in the same way, as nothing that happens by chance does", name_of(cause)));
     take_away(1.0, false, cause, ranking);
@@ -219,8 +225,8 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   const double slow = kSlow * problem.thresholds.whitening.lowest_frequency;
   doubt_what_an_offset_does(
       [&](const Cause& cause) {
-        const auto fit = std::find_if(found.fits.begin(), found.fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, cause.point); });
-        return fit == found.fits.end() ? SlowShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
+        const FitResult* const fit = fit_of(found.fits, cause);
+        return fit == nullptr ? SlowShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
       },
       slow, ranking, diagnosis.remarks);
   sort_causes(ranking.causes);
@@ -252,10 +258,7 @@ const FitResult* unexplained_fit(const Problem& problem, const Found& found, con
   if (!diagnosis.gap) return nullptr;
   if (diagnosis.is_unknown || first.point.effects.empty()) return &found.nothing;
   if (!stochastic_part(problem.catalogue, first.point).empty()) return nullptr;
-  for (const FitResult& one : found.fits) {
-    if (has_same_effects(one.point, first.point)) return &one;
-  }
-  return nullptr;
+  return fit_of(found.fits, first);
 }
 
 // What the answer's parameters say: swings of the load, and parameters that had to go farther than machines of one make differ.

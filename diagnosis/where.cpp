@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kStanding = 0.02, kChanging = 0.05;  // shares of the record's largest speed
 
-}  // namespace
-
-namespace {
-
 std::string name_of(const Channel& channel) {
   return channel.is_torque ? fmt::format("torque of group {}", channel.index + 1) : fmt::format("{} acceleration", accelerometer_name(channel.index));
 }

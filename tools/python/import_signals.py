@@ -119,8 +119,7 @@ def check_jumps(entry, column, row, is_even):
     if not is_even or jump is None:
         return
     place, stays = jump
-    around = f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}"
-    entry.reader.report("column", around, "a position that goes on; it jumps there and stays, as of an encoder that slips or is set anew: cut the data there with rows: {first: ..., last: ...}" if stays
+    entry.reader.report("column", between_neighbours(entry, column, place, row), "a position that goes on; it jumps there and stays, as of an encoder that slips or is set anew: cut the data there with rows: {first: ..., last: ...}" if stays
                         else f"a position that moves; this row jumps there and back{CUT}")
 
 
@@ -134,9 +133,13 @@ def check_spike(entry, column, row):
     jump = single_jump(largest)
     if jump is None or jump[1]:
         return
-    place = jump[0]
-    entry.reader.report("column", f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}",
+    entry.reader.report("column", between_neighbours(entry, column, jump[0], row),
                         f"an acceleration of the crane; no other row is a {SPIKE:g}th as far off its neighbours{CUT}")
+
+
+def between_neighbours(entry, column, place, row):
+    """What stands in a row, and on either side of it, for complaints."""
+    return f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}"
 
 
 def furthest_rows(largest, values, first):
