@@ -39,6 +39,7 @@ constexpr double kSameTorque = 1e-3;
 constexpr double kOfNoise = 1.5;  // of the deviation of torques that were measured or rounded; the integrals are told by one of them
 // Occam's factor of one number, beside which an effect must tell: of one that is known to a twelfth of its prior.
 constexpr double kOccam = 5.0;
+constexpr double kSettled = 0.5;  // probability that nothing is missing, from which gains of accelerometers are not asked for; chosen
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -184,10 +185,35 @@ void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>
   sort_causes(ranking.causes);
 }
 
+// Fits of motions with one effect, and that of parameters alone.
+std::vector<const FitResult*> with_one_law(const common::EffectCatalogue& catalogue, const Found& found) {
+  std::vector<const FitResult*> fits{&found.nothing};
+  for (const FitResult& fit : found.fits) {
+    if (fit.point.effects.size() == 1 && stochastic_part(catalogue, fit.point).empty()) fits.push_back(&fit);
+  }
+  return fits;
+}
+
+// Causes of the machine against gains of the accelerometers. What takes more away beside an effect would beside the gains as well, so a cause of two is as likely against them as its likelier one.
+void weigh_against_gains(const Problem& problem, const Found& found, const GainsFit& gains, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
+  const std::vector<const FitResult*> singles = with_one_law(problem.catalogue, found);
+  doubt_what_gains_do(
+      [&](const Cause& cause) {
+        if (!stochastic_part(problem.catalogue, cause.point).empty()) return 0.0;
+        std::optional<double> chance;
+        for (const FitResult* single : singles) {
+          if (single->point.effects.empty() || !has_effect(cause.point.effects, single->point.effects.front().name)) continue;
+          chance = std::min(chance.value_or(1.0), chance_of_gains(problem, gains, *single, evidence));
+        }
+        return chance.value_or(0.0);
+      },
+      in_words(gains.gains), ranking, remarks);
+}
+
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
 // know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
-          const DiagnosisSettings& settings, const EvidenceSettings& evidence, const Progress& tell, Diagnosis& diagnosis) {
+          const std::optional<GainsFit>& gains, const DiagnosisSettings& settings, const EvidenceSettings& evidence, const Progress& tell, Diagnosis& diagnosis) {
   const Found& found = searched.found;
   const bool are_parameters_likely = weighed.causes.front().prior_chance >= kFarTogether;  // with nothing missing
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
@@ -229,6 +255,8 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
         return fit == nullptr ? SlowShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
       },
       slow, ranking, diagnosis.remarks);
+  sort_causes(ranking.causes);
+  if (gains && !in_words(gains->gains).empty()) weigh_against_gains(problem, found, *gains, evidence, ranking, diagnosis.remarks);
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
@@ -298,15 +326,18 @@ void remark_below_the_noise(Diagnosis& diagnosis) {
 
 sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis) {
   sim::MachineSettings machine = with_boom_elements(std::move(nominal), diagnosis.boom_elements);
+  machine.crane = with_gains(machine.crane, diagnosis.gains);
   machine.effects.insert(machine.effects.end(), diagnosis.of_every_machine.begin(), diagnosis.of_every_machine.end());
   return machine;
 }
 
 namespace {
 
-// With rows that have so many commands each.
-Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
-                        std::vector<Record> records, const DiagnosisSettings& asked, const Progress& progress, const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+// With rows that have so many commands each, and accelerometers with these gains beside what the nominal machine has. Where other gains are the answer, no more than they.
+Diagnosis diagnose_read_by(const std::vector<AccelerometerGain>& known_gains, int commands_per_row, const sim::MachineSettings& nominal_of_file, const std::optional<controller::ControllerSettings>& controller,
+                           std::vector<Record> records, const DiagnosisSettings& asked, const Progress& progress, const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+  sim::MachineSettings nominal = nominal_of_file;
+  nominal.crane = with_gains(nominal.crane, known_gains);
   const auto start_time = std::chrono::steady_clock::now();
   std::mutex telling;
   const auto tell = [&](double share, const std::string& doing) {
@@ -314,6 +345,7 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
     if (progress) progress(share, doing);
   };
   Diagnosis diagnosis;
+  diagnosis.gains = known_gains;
   Problem problem;
   const DiagnosisSettings settings = without_what_is_before_torques(asked, records, sim::effects_for(nominal), diagnosis.remarks);
   problem.settings = settings.fit;
@@ -344,6 +376,16 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
   tell(kHoldOut.from, "looking for a law that is in no catalogue");
   const SmoothTorques smooth(problem, searched.best(problem.catalogue));
   Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
+  std::optional<GainsFit> gains;
+  const bool is_settled = diagnosis.mean_square_nominal <= 1.0 || (weighed.probabilities.candidate.front() > kSettled && weighed.causes.front().prior_chance >= kFarTogether);
+  if (known_gains.empty() && !is_settled) gains = fit_gains(problem, found.nothing);
+  if (gains && are_the_answer(problem, *gains, with_one_law(problem.catalogue, found), evidence)) {
+    diagnosis.gains = std::move(gains->gains);
+    diagnosis.simulations = problem.simulations;
+    diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
+    diagnosis.total_seconds = seconds_since(start_time);
+    return diagnosis;
+  }
   diagnosis.least_mean_square = weighed.least_mean_square;
   diagnosis.difference_count = static_cast<double>(difference_count(problem));
   for (const Whitening& one : problem.whitening) diagnosis.log_stretch += log_stretch(one);
@@ -356,7 +398,7 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
   const double unknown_law = weighed.probabilities.unknown_law;
   const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
   const common::EffectCatalogue known = joined(problem.catalogue, of_the_controller);
-  const bool is_nothing_left = rank(problem, whitening, controller, of_the_controller, searched, std::move(weighed), settings, evidence, tell, diagnosis);
+  const bool is_nothing_left = rank(problem, whitening, controller, of_the_controller, searched, std::move(weighed), gains, settings, evidence, tell, diagnosis);
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   const Cause* const lead = diagnosis.causes.empty() || diagnosis.probability_unknown > diagnosis.causes.front().probability ? nullptr : &diagnosis.causes.front();
   diagnosis.unseen = judge_unseen(problem, whitening, controller, found.nothing.point, lead, std::move(unseen), diagnosis.remarks);
@@ -388,6 +430,28 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
   diagnosis.total_seconds = seconds_since(start_time);
   tell(1.0, "done");
   return diagnosis;
+}
+
+void add_work(const Diagnosis& other, Diagnosis& diagnosis) {
+  diagnosis.simulations += other.simulations;
+  diagnosis.simulation_seconds += other.simulation_seconds;
+  diagnosis.total_seconds += other.total_seconds;
+}
+
+// With rows that have so many commands each; on a machine whose accelerometers read otherwise than its file has it, where that is what the records show.
+Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller, std::vector<Record> records, const DiagnosisSettings& settings,
+                        const Progress& progress, const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
+  const bool has_gains = std::any_of(records.begin(), records.end(), [](const Record& record) {
+    return std::any_of(record.acceleration.begin(), record.acceleration.end(), [](const auto& one) { return !one.empty(); });
+  });
+  if (!has_gains) return diagnose_read_by({}, commands_per_row, nominal, controller, std::move(records), settings, progress, is_stopped, std::move(unseen));
+  const Diagnosis by_the_file = diagnose_read_by({}, commands_per_row, nominal, controller, records, settings, progress, is_stopped, unseen);
+  if (by_the_file.gains.empty()) return by_the_file;
+  constexpr Stage kOnceMore{kHoldOut.from, 1.0};
+  Diagnosis answer = diagnose_read_by(by_the_file.gains, commands_per_row, nominal, controller, std::move(records), settings, within(progress, kOnceMore), is_stopped, std::move(unseen));
+  add_work(by_the_file, answer);
+  answer.remarks.push_back(fmt::format("accelerometers read by other gains than the machine's file has: {}; taken as a part of this machine, no cause. Calibrate them, or give their gains in the file (`sensors:`)", in_words(answer.gains)));
+  return answer;
 }
 
 // Whether commands may have come between rows that are as far apart as the points at which the machine is judged.
@@ -437,9 +501,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (!between) return as_written;
   const bool is_taken = is_answered(catalogue, *between) && is_likelier(catalogue, *between, as_written);
   Diagnosis &answer = is_taken ? *between : as_written, &other = is_taken ? as_written : *between;
-  answer.simulations += other.simulations;
-  answer.simulation_seconds += other.simulation_seconds;
-  answer.total_seconds += other.total_seconds;
+  add_work(other, answer);
   if (is_taken) {
     answer.remarks.push_back(fmt::format("the controller seems to be faster than the recorder: with commands between the rows, of which nobody knows more than that they lie about a smooth course through the rows, what is missing "
                                          "has an answer; if the rows are all of its commands, the answer is another one: {}. Record every command, or give the controller, to tell which",

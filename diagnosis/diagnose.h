@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "controller/controller.h"
+#include "diagnosis/accelerometer_gains.h"
 #include "diagnosis/cause.h"
 #include "diagnosis/controller_fit.h"
 #include "diagnosis/controller_replay.h"
@@ -55,6 +56,7 @@ struct Diagnosis {
   int boom_elements = 0;                 // into which the boom was cut
   int commands_per_row = 1;              // that the records are taken to have (hidden_commands.h)
   std::vector<common::EffectInstance> of_every_machine;  // what every machine does, where the fits have it
+  std::vector<AccelerometerGain> gains;                  // of accelerometers that read otherwise than the machine's file has it, times what that has: the answer is of a machine with these
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<Discrepancy> discrepancies;  // in the residual of the answer, or of parameters alone where it is unknown; empty: no more than noise
@@ -71,7 +73,7 @@ struct Diagnosis {
   double total_seconds = 0.0;
 };
 
-// The nominal machine as the fits have it: its boom cut, and with what every machine does.
+// The nominal machine as the fits have it: its boom cut, its accelerometers with the gains that they were taken to have, and with what every machine does.
 sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis);
 
 // `progress` is told from any thread, one at a time; `is_stopped` is asked before every simulation, from any thread, and ends it all

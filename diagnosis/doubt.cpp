@@ -152,6 +152,19 @@ void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& sha
   }
 }
 
+void doubt_what_gains_do(const std::function<double(const Cause&)>& chance_of, const std::string& gains, Ranking& ranking, std::vector<std::string>& remarks) {
+  constexpr double kWorthTelling = 0.1;  // chosen
+  bool is_told = false;
+  for (Cause& cause : ranking.causes) {
+    if (cause.effects.empty() || cause.probability == 0.0) continue;
+    const double chance = chance_of(cause);
+    if (chance > kWorthTelling && !std::exchange(is_told, true)) {
+      remarks.push_back(fmt::format("{} is not sure: accelerometers that read by other gains than the machine's file has explain the records as well: {}. Calibrate them, or give their gains in the file (`sensors:`)", name_of(cause), gains));
+    }
+    take_away(chance, false, cause, ranking);
+  }
+}
+
 void share_with_other_laws(Ranking& ranking) {
   const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability * (1.0 - cause.with_unknown_law), 1.0 / kOtherLawTemper); };
   double sum = 0.0;

@@ -58,6 +58,10 @@ void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may
 // it explains is sure, and the first of them is told in `remarks`.
 void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);
 
+// Accelerometers that read by other gains than the file has explain the records with a chance of `chance_of` against a cause (accelerometer_gains.h), which loses as much. `gains` has them in
+// words; of the first of the causes it is told in `remarks`.
+void doubt_what_gains_do(const std::function<double(const Cause&)>& chance_of, const std::string& gains, Ranking& ranking, std::vector<std::string>& remarks);
+
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
 // with that much less weight. None comes to lead by that which has not predicted anything.
 void share_with_other_laws(Ranking& ranking);

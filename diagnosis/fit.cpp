@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 
+#include "diagnosis/column_directions.h"
 #include "diagnosis/quiet_beginnings.h"
 
 namespace slewlab::diagnosis {
@@ -22,6 +25,8 @@ constexpr int kRelaxations = 8;
 // the differences uneven, and one way may end where another does not.
 constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
 constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
+constexpr double kCostOfNoise = 50.0;  // of parameters that leave noise alone, chosen: what they cost is their prior's
+constexpr double kFirstDamping = 1e-3;  // of a descent along a valley, chosen
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
@@ -33,6 +38,8 @@ constexpr int kMostLooks = 4;
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
 constexpr double kFiner = 0.1;  // of the steps, where a descent by them promised much and led nowhere
+constexpr double kDirectionDeviations = 1.0;  // that the records leave open along a direction: how far its quotient goes
+constexpr int kMostFailures = 3;  // in a row, behind which columns that have led on are taken anew
 
 }  // namespace
 
@@ -210,6 +217,50 @@ void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::V
   renew_columns(problem, point, difference, steps, moves, columns);
 }
 
+// Those of all records that are free at the point, and of each record's own those that some machine at the point knows of.
+CoordinateBlocks free_nuisances(const Problem& problem, const Point& point) {
+  CoordinateBlocks blocks;
+  for (std::size_t k = 0; k < problem.nuisances.common_count(); ++k) {
+    if (!is_held(problem, point, k)) blocks.common.push_back(static_cast<Eigen::Index>(k));
+  }
+  for (const std::vector<std::size_t>& move : moves_of_beginnings(problem, point)) {
+    blocks.own.resize(move.size());
+    for (std::size_t r = 0; r < move.size(); ++r) blocks.own[r].push_back(static_cast<Eigen::Index>(move[r]));
+  }
+  return blocks;
+}
+
+// The columns of free nuisances along the axes of what the records leave open.
+void renew_columns_along_axes(Problem& problem, const Point& point, const Eigen::VectorXd& difference, Eigen::MatrixXd& columns) {
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+  const CoordinateBlocks blocks = free_nuisances(problem, point);
+  std::vector<bool> is_free(point.nuisance.size(), false);
+  const auto are_free = [&](const std::vector<Eigen::Index>& some) {
+    for (const Eigen::Index k : some) is_free[static_cast<std::size_t>(k)] = true;
+  };
+  are_free(blocks.common);
+  for (const std::vector<Eigen::Index>& own : blocks.own) are_free(own);
+  for (Eigen::Index k = 0; k < nuisances; ++k) {
+    if (!is_free[static_cast<std::size_t>(k)]) columns.col(k).setZero();
+  }
+  Eigen::VectorXd longest = Eigen::VectorXd::Constant(nuisances, kNuisanceStep);
+  for (Eigen::Index i = 0; i < nuisances; ++i) {
+    if (is_place_in_motion(problem.nuisances, static_cast<std::size_t>(i), point.nuisance.size())) longest(i) *= kFiner;
+  }
+  const Eigen::MatrixXd curvature_here = curvature(problem, point, difference, gram_of(columns), problem.settings.law_freedom).topLeftCorner(nuisances, nuisances);
+  const ColumnDirections directions = column_directions(curvature_here, blocks, longest, kDirectionDeviations);
+  std::vector<Point> points;
+  const auto move_along = [&](const Eigen::MatrixXd& changes_of_point) {
+    for (Eigen::Index i = 0; i < changes_of_point.cols(); ++i) {
+      Point& moved = points.emplace_back(point);
+      for (Eigen::Index k = 0; k < nuisances; ++k) moved.nuisance[static_cast<std::size_t>(k)] += changes_of_point(k, i);
+    }
+  };
+  move_along(directions.own);
+  move_along(directions.common);
+  columns_along(directions, blocks, changes(problem, column_base(problem, point, difference), points), first_rows(problem), columns);
+}
+
 // Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
 void hand_over(const Problem& problem, Point& point) {
   const std::vector<sim::Parameter>& parameters = problem.nuisances.parameters;
@@ -277,7 +328,7 @@ Eigen::MatrixXd turned(Eigen::MatrixXd gram, const Eigen::MatrixXd& effect_axes)
 
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
 // too bold.
-Descent descend(Problem& problem, FitResult& result, double law_freedom) {
+Descent descend(Problem& problem, FitResult& result, double law_freedom, const std::function<Descent(const Descending&)>& by) {
   Point trial;
   Eigen::VectorXd trial_difference;
   double trial_cost = 0.0;
@@ -310,10 +361,21 @@ Descent descend(Problem& problem, FitResult& result, double law_freedom) {
     result.difference = trial_difference;
     result.cost = trial_cost;
   };
-  const FitSettings& settings = problem.settings;
-  const Descent descent = descend(problem_here, result.cost, {settings.iterations, kDampings, settings.enough, settings.enough_share});
+  const Descent descent = by(problem_here);
   result.ending = descent.ending;
   return descent;
+}
+
+// By a few dampings, far apart.
+Descent descend(Problem& problem, FitResult& result, double law_freedom) {
+  const FitSettings& settings = problem.settings;
+  return descend(problem, result, law_freedom, [&](const Descending& here) { return descend(here, result.cost, {settings.iterations, kDampings, settings.enough, settings.enough_share}); });
+}
+
+// By a damping that adapts.
+void descend_along(Problem& problem, FitResult& result, double& damping) {
+  const FitSettings& settings = problem.settings;
+  descend(problem, result, settings.law_freedom, [&](const Descending& here) { return descend(here, result.cost, AdaptingSettings{settings.attempts, kMostFailures, settings.enough}, damping); });
 }
 
 }  // namespace
@@ -410,6 +472,24 @@ FitResult nominal_fit(Problem& problem) {
   return fit_at(problem, std::move(nominal));
 }
 
+namespace {
+
+// Parameters alone at the floor of their valley, from where they are and, should that be more than noise, from the nominal machine with its beginnings fitted: nothing where noise is not all that they leave there, for
+// beside an effect their floor is farther from the machine than where they stopped.
+std::optional<FitResult> noise_alone_at_the_floor(Problem& problem, const FitResult& nominal, const FitResult& fitted) {
+  FitResult floor = fitted;
+  const auto settle_there = [&](FitResult& one) {
+    settle_to_the_floor(problem, one, problem.settings.rounds, kCostOfNoise);
+    return mean_square(one.difference) <= 1.0;
+  };
+  if (settle_there(floor)) return floor;
+  std::optional<FitResult> begun = nominal_with_beginnings(problem, nominal);
+  if (begun && settle_there(*begun)) return begun;
+  return {};
+}
+
+}  // namespace
+
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise) {
   std::optional<FitResult> best_yet;
   bool has_met = false;  // two ways
@@ -458,6 +538,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::o
       best = std::move(*begun);
     }
   }
+  if (std::optional<FitResult> floor = noise_alone_at_the_floor(problem, nominal, best)) best = std::move(*floor);
   conclude(problem, best);
   return best;
 }
@@ -552,6 +633,27 @@ void settle(Problem& problem, FitResult& result, int rounds, double reach) {
     const double before = result.cost;
     if (!improve(problem, result, true) || !would_come_down(before, result.cost, left - 1, reach)) return;
   }
+}
+
+void settle_to_the_floor(Problem& problem, FitResult& result, int rounds, double reach) {
+  constexpr double kFloor = 0.3;  // fall of the cost by a round, chosen: little beside what two causes must differ by for one of them to be twice as likely
+  if (result.columns.size() == 0) {
+    forget_columns(problem, result);
+    result.cost = cost_of(problem, result.point, result.difference);
+  }
+  double damping = kFirstDamping;
+  for (int left = rounds; left > 0; --left) {
+    const double before = result.cost;
+    const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+    const bool is_first_look = result.columns.leftCols(static_cast<Eigen::Index>(nuisance_count(problem))).isZero(0.0);
+    if (is_first_look) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
+    else renew_columns_along_axes(problem, result.point, result.difference, result.columns);
+    take_effect_columns(problem, result.point, result.difference, steps, result.columns);
+    descend_along(problem, result, damping);
+    if (is_first_look) continue;  // over steps that are long
+    if (before - result.cost <= kFloor || !would_come_down(before, result.cost, left - 1, reach)) break;
+  }
+  renew_columns(problem, result);  // corrected after steps so short they are those of kinks
 }
 
 Relaxed relax(const Problem& problem, const FitResult& result, const PowerAbout& power, const MisfitCost& misfit_cost, double floor) {

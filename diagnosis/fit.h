@@ -140,4 +140,7 @@ bool would_come_down(double from, double to, int rounds, double reach);
 // down to `reach`.
 void settle(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
 
+// Rounds along the axes of what the records leave open, at most as many, to the floor of its valley: for fits whose costs are compared. Not further where those that are left would not come down to `reach`.
+void settle_to_the_floor(Problem& problem, FitResult& result, int rounds, double reach = std::numeric_limits<double>::infinity());
+
 }  // namespace slewlab::diagnosis

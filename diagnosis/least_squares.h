@@ -36,6 +36,12 @@ struct Descending {
   std::function<void()> accept;  // goes on from the last attempt
 };
 
+struct AdaptingSettings {
+  int attempts = 0;
+  int failures = 0;     // in a row that end a descent which has led on: the slopes are worn out
+  double enough = 0.0;  // fall of the cost: where no more is promised, the descent has settled
+};
+
 struct DescentSettings {
   int iterations = 0;
   std::span<const double> dampings;
@@ -49,6 +55,9 @@ struct Descent {
   Ending ending = Ending::most_iterations;
   double promised = 0.0;  // fall of the cost, -g^T step, by the undamped step from where it ended: where no step makes it fall and much was promised, the slopes were wrong
 };
+
+// From where `problem` stands, with `cost` there and from a damping on, which becomes the one that led on last.
+Descent descend(const Descending& problem, double cost, const AdaptingSettings& settings, double& damping);
 
 // From where `problem` stands, with `cost` there.
 Descent descend(const Descending& problem, double cost, const DescentSettings& settings);

@@ -119,6 +119,23 @@ std::string in_words(const std::vector<FarParameter>& far) {
   return words;
 }
 
+std::vector<MovedParameter> moved_parameters(const Nuisances& nuisances, const std::vector<double>& amount, std::span<const AmountInterval> intervals) {
+  constexpr double kWorthTelling = 0.01, kSurely = 2.0;  // chosen
+  const auto reach = [&](std::size_t k) { return 0.5 * (intervals[k].high - intervals[k].low); };
+  std::vector<std::size_t> moved;
+  for (std::size_t k = 0; k < std::min({amount.size(), intervals.size(), nuisances.parameters.size()}); ++k) {
+    const double change = nuisances.parameters[k].spread * std::fabs(amount[k]);
+    if (change >= kWorthTelling && std::fabs(amount[k]) > kSurely * reach(k)) moved.push_back(k);
+  }
+  std::stable_sort(moved.begin(), moved.end(), [&](std::size_t a, std::size_t b) { return std::fabs(amount[a]) * reach(b) > std::fabs(amount[b]) * reach(a); });
+  std::vector<MovedParameter> told;
+  for (const std::size_t k : moved) {
+    const double spread = nuisances.parameters[k].spread;
+    told.push_back({std::string(nuisances.parameters[k].name), spread * amount[k], spread * intervals[k].low, spread * intervals[k].high});
+  }
+  return told;
+}
+
 PriorTerm effect_prior(double x) {
   const double weight = 1.0 / (1.0 + x * x / kStudent);
   return {kStudent * std::log1p(x * x / kStudent), weight * x, weight};

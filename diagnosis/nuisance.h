@@ -94,6 +94,14 @@ std::vector<FarParameter> far_parameters(const Nuisances& nuisances, const std::
 // "drive inertia +15 %, boom angle +6 %"
 std::string in_words(const std::vector<FarParameter>& far);
 
+// A parameter of the machine's file that the records put elsewhere.
+struct MovedParameter {
+  std::string name;
+  double change = 0.0, low = 0.0, high = 0.0;  // [-] relative to the file's; 90 %
+};
+// Those at least a hundredth off, by twice what the interval leaves open: of many parameters some are off by chance by as much as that. The surest first.
+std::vector<MovedParameter> moved_parameters(const Nuisances& nuisances, const std::vector<double>& amount, std::span<const AmountInterval> intervals);
+
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
 // free as well.
 bool is_said_by(const Nuisances& nuisances, const common::EffectAbout& effect, std::size_t k);

@@ -48,6 +48,22 @@ Eigen::Index difference_count(const Problem& problem) {
   return first_rows(problem).back();
 }
 
+std::unique_ptr<Problem> same_machine(const Problem& problem) {
+  auto other = std::make_unique<Problem>();
+  other->nominal = problem.nominal;
+  other->catalogue = problem.catalogue;
+  other->thresholds = problem.thresholds;
+  other->nuisances = problem.nuisances;
+  other->gains = problem.gains;
+  other->force_steps = problem.force_steps;
+  other->column_steps = problem.column_steps;
+  other->commands_per_row = problem.commands_per_row;
+  other->settings = problem.settings;
+  other->threads = problem.threads;
+  other->is_stopped = problem.is_stopped;
+  return other;
+}
+
 std::size_t nuisance_count(const Problem& problem) { return problem.nuisances.count(problem.records.size()); }
 
 double longest_record(const Problem& problem) {

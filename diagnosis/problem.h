@@ -27,6 +27,7 @@ struct FitSettings {
   double law_freedom = 100.0;      // nu
   double independent_share = 0.3;  // s
   int iterations = 4;      // per round, each round with fresh columns
+  int attempts = 12;       // per round along a valley's floor
   int rounds = 12;         // at most, for the nuisances alone
   // Falls of the cost that were too small to go on: the fixed part in units of -2 ln of a probability.
   double enough = 0.5, enough_share = 0.002;   // of an iteration
@@ -131,6 +132,9 @@ struct Problem {
 };
 
 struct Interrupted {};
+
+// Of another problem on the same machine: all but its records and how they are whitened.
+std::unique_ptr<Problem> same_machine(const Problem& problem);
 
 // Calls work(0) to work(count - 1), on as many threads as are free, and returns when all are done. Calls nest: a share that shares out
 // itself gets the threads that have become free by then, never more than `threads` together. Each call must write only what is its own,

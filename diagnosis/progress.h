@@ -17,15 +17,15 @@ struct Stage {
 // Of the processor's time. A single diagnosis differs by a half, because how many effects are worth a fit and how long they take to
 // settle is not known before: at the end of the screening it is a sixth to a half through. So nothing is forecast before that; the
 // rest are means over machines where many effects promise something.
-inline constexpr Stage kFitParameters{0.0, 0.105};
-inline constexpr Stage kScreen{0.105, 0.238};
-inline constexpr Stage kRefineSingles{0.238, 0.257};
-inline constexpr Stage kLookFromNominal{0.257, 0.324};
-inline constexpr Stage kConvergeSingles{0.324, 0.419};
-inline constexpr Stage kScreenBeside{0.419, 0.457};
-inline constexpr Stage kRefinePairs{0.457, 0.505};
-inline constexpr Stage kConvergePairs{0.505, 0.61};
-inline constexpr Stage kGoBack{0.61, 0.743};
+inline constexpr Stage kFitParameters{0.0, 0.09};
+inline constexpr Stage kScreen{0.09, 0.2};
+inline constexpr Stage kRefineSingles{0.2, 0.217};
+inline constexpr Stage kLookFromNominal{0.217, 0.275};
+inline constexpr Stage kConvergeSingles{0.275, 0.36};
+inline constexpr Stage kScreenBeside{0.36, 0.395};
+inline constexpr Stage kRefinePairs{0.395, 0.44};
+inline constexpr Stage kConvergePairs{0.44, 0.535};
+inline constexpr Stage kGoBack{0.535, 0.743};
 inline constexpr Stage kLookForStochastic{0.743, 0.886};
 inline constexpr Stage kHoldOut{0.886, 0.96};
 inline constexpr Stage kFollow{0.96, 1.0};

@@ -32,6 +32,7 @@ constexpr int kPairsPerLeader = 2;              // that are refined beside each 
 constexpr double kLargeResidual = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
 constexpr double kNotFar = 0.1;                   // chance of machines that lie as far from nominal, above which parameters hide no effect where they leave noise alone; chosen
 constexpr double kFarBehind = 4.0;               // times what the best law leaves, beyond which a law for a spell is not looked for at other times; chosen
+constexpr double kRival = 20.0;                // of the cost: the odds are beyond doubt
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -708,6 +709,16 @@ void meet(Problem& problem, const FitResult& base, const Screening& screening, c
   go_back(problem, base.columns, 1, fits);
 }
 
+// Where noise is all that the best of them leaves, causes are weighed by costs that differ by a few units: each that is near settles as far as it can.
+void settle_rivals(Problem& problem, std::vector<FitResult>& fits) {
+  const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
+  if (best == fits.end() || mean_square(best->difference) > kNoiseAlone) return;
+  const double near = best->cost + kRival;
+  share_out(problem, fits.size(), [&](std::size_t i) {
+    if (fits[i].cost <= near) settle_to_the_floor(problem, fits[i], kFreshRounds);
+  });
+}
+
 }  // namespace
 
 Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const Shows& shows,
@@ -769,6 +780,8 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   const Progress going_back = within(tell, kGoBack);
   if (!fits.empty() && fits.front().cost < reach_of(base)) meet(problem, base, screening, same_as, settings, looked_beside, fits, going_back);
+  going_back(0.85, "settling the rivals");
+  settle_rivals(problem, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });
   going_back(0.9, "fitting by what the noise is in each machine");
   fit_by_own_noise(problem, fits);

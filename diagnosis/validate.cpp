@@ -34,22 +34,6 @@ constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what cha
 // and may be worse by half; chosen.
 constexpr double kDecorrelated = 0.7, kWorseByChance = 1.5;
 
-std::unique_ptr<Problem> same_machine(const Problem& problem) {
-  auto other = std::make_unique<Problem>();
-  other->nominal = problem.nominal;
-  other->catalogue = problem.catalogue;
-  other->thresholds = problem.thresholds;
-  other->nuisances = problem.nuisances;
-  other->gains = problem.gains;
-  other->force_steps = problem.force_steps;
-  other->column_steps = problem.column_steps;
-  other->commands_per_row = problem.commands_per_row;
-  other->settings = problem.settings;
-  other->threads = problem.threads;
-  other->is_stopped = problem.is_stopped;
-  return other;
-}
-
 // Of the first or the second half of the last record.
 Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower, bool second) {
   const Record& last = problem.records.back();

@@ -212,6 +212,15 @@ std::vector<Parameter> parameters_of(const MachineFile& file) {
 
 }  // namespace
 
+std::vector<AccelerometerGain> accelerometer_gains() {
+  using C = CraneParameters;
+  return {
+      {SensorPlace::pivot, {"pivot accelerometer gain", kAccelerometerDeviation, {{"sensors", "pivot_gain", Unit::none, [](C& c) -> double& { return c.sensors.pivot_gain; }}}}},
+      {SensorPlace::middle, {"middle accelerometer gain", kAccelerometerDeviation, {{"sensors", "middle_gain", Unit::none, [](C& c) -> double& { return c.sensors.middle_gain; }}}}},
+      {SensorPlace::tip, {"tip accelerometer gain", kAccelerometerDeviation, {{"sensors", "tip_gain", Unit::none, [](C& c) -> double& { return c.sensors.tip_gain; }}}}},
+  };
+}
+
 SensorPlace place_named(std::string_view name) {
   const auto found = std::find(kPlaces.begin(), kPlaces.end(), name);
   if (found == kPlaces.end()) throw std::invalid_argument("no place of a sensor is called '" + std::string(name) + "'");

@@ -76,11 +76,21 @@ MachineDescription describe(const MachineFile& file);
 // Of a crane that comes from no file.
 MachineDescription describe(const CraneParameters& machine);
 
+// What an accelerometer reads of what moves it: no parameter of the machine, and of the house's said by `house.sensor_radius`.
+struct AccelerometerGain {
+  SensorPlace place = SensorPlace::tip;
+  Parameter parameter;
+};
+std::vector<AccelerometerGain> accelerometer_gains();
+
 // 5 % either way with equal chance is a standard deviation of 5 % / sqrt(3): chosen, the spread between units of one
 // make; a file may give a number's own (`spread`).
 inline constexpr double kUnitSpread = 0.05;                                 // [-] half range
 inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [-]
 // Damping is measured at its best and mostly guessed: chosen, a standard deviation of a fifth.
 inline constexpr double kDampingDeviation = 0.2;  // [-]
+// 10 % either way: chosen, 5 % that data sheets allow the sensitivity of industrial accelerometers, and as much again where one is not screwed to the place, or not
+// lying in the direction, that the description has.
+inline constexpr double kAccelerometerDeviation = 0.1 / 1.7320508075688772;  // [-]
 
 }  // namespace slewlab::sim

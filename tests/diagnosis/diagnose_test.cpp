@@ -382,6 +382,50 @@ TEST(Diagnose, IsNotSureOfWhatAnOffsetThatWandersDoes) {
   EXPECT_FALSE(found.causes[0].probability > 0.7 && !found.causes[0].effects.empty()) << found.verdict << found.causes[0].probability;
 }
 
+// One accelerometer at the tip that reads 6 % too little beside others that do not is no scale of the encoders, and the machine is judged with it.
+TEST(Diagnose, TakesAnAccelerometersGainForAPartOfTheMachine) {
+  constexpr double kGain = 0.94;
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = kBoomElements;
+  truth.crane.sensors.tip_gain = kGain;
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 5);
+  EXPECT_FALSE(found.gap) << found.verdict;
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_TRUE(found.causes[0].effects.empty()) << found.verdict;
+  EXPECT_GT(found.causes[0].probability, 0.9);
+  const auto tip = std::find_if(found.gains.begin(), found.gains.end(), [](const AccelerometerGain& one) { return one.name == "tip accelerometer gain"; });
+  ASSERT_NE(tip, found.gains.end());
+  EXPECT_NEAR(tip->gain, kGain, 0.01);
+}
+
+// With the tip's accelerometer alone nothing tells which of the two counts wrong, and none is sure, whichever it is.
+TEST(Diagnose, IsNotSureWhetherEncodersOrAnAccelerometerCountWrong) {
+  constexpr double kOff = 1.08, kPeriod = 1e-2;  // [-], [s]
+  for (const bool is_accelerometer : {true, false}) {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    truth.crane.boom.element_count = kBoomElements;
+    if (is_accelerometer) truth.crane.sensors.tip_gain = kOff;
+    else truth.effects = {{"encoder_scale", {kOff - 1.0}}};
+    std::vector<Record> records;
+    for (const auto& [moves, name, seed] : {std::tuple(kThereAndBack, "a", 4u), std::tuple(kInching, "b", 5u)}) {
+      Record& record = records.emplace_back(make_record(simulated_log(truth, bench().controller, moves, kDuration, seed, kPeriod), name, bench().admission));
+      for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+        if (a != kTip) record.acceleration[a].clear();
+      }
+    }
+    sim::MachineSettings nominal;
+    nominal.crane = bench().crane;
+    const Diagnosis found = diagnose(nominal, std::nullopt, std::move(records), {});
+    const auto names = [](const Cause& cause) { return cause.effects; };
+    const bool is_scale = !found.causes.empty() && names(found.causes[0]) == std::vector<std::string>{"encoder_scale"};
+    EXPECT_FALSE(is_scale && found.causes[0].probability > 0.7) << is_accelerometer << " " << found.causes[0].probability;
+    EXPECT_FALSE(!is_accelerometer && !found.gap && found.probability_nothing > 0.7) << found.probability_nothing;
+    EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.find("tip accelerometer gain") != std::string::npos; })) << is_accelerometer << " " << found.verdict;
+  }
+}
+
 // What the file says of the drive is no effect that is missing.
 TEST(Diagnose, SaysNothingIsMissingWhereTheFilesOwnDriveLimitsTheTorque) {
   sim::MachineSettings truth;

@@ -211,6 +211,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"causes", nlohmann::json::array()}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
+  for (const diagnosis::AccelerometerGain& one : diagnosis.gains) json["accelerometer_gains"].push_back({{"name", one.name}, {"gain", one.gain}, {"deviation", one.deviation}});
   for (const diagnosis::BandShare& band : diagnosis.bands) {
     json["bands"].push_back({{"signal", band.channel}, {"from_hz", band.from}, {"to_hz", band.to}, {"share", band.share},
                              {"residual_variance_ratio", band.mean_square}});
@@ -334,6 +335,18 @@ std::string unseen_text(const diagnosis::UnseenRecord& one) {
   return text;
 }
 
+// What of the machine's file the records contradict, where something explains them.
+std::string parameters_told(const Diagnosis& diagnosis) {
+  if (diagnosis.is_unknown || diagnosis.causes.empty()) return "";
+  const Cause& first = diagnosis.causes.front();
+  const std::vector<diagnosis::MovedParameter> moved = diagnosis::moved_parameters(diagnosis.nuisances, first.point.nuisance, first.parameter_intervals);
+  if (moved.empty()) return "";
+  std::string text = first.effects.empty() ? "\nParameters that these records put elsewhere than the machine's file (all in crane_as_fitted.yaml)\n"
+                                           : fmt::format("\nParameters that these records put elsewhere than the machine's file, beside {} (all in crane_as_fitted.yaml)\n", told_name(first));
+  for (const diagnosis::MovedParameter& one : moved) text += fmt::format("  {:24} {:+.1f} % (90 %: {:+.1f} to {:+.1f})\n", one.name, 100 * one.change, 100 * one.low, 100 * one.high);
+  return text;
+}
+
 // The page that the terminal, summary.txt and diagnosis.html show.
 std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const ToldApartBy& apart, const std::optional<Predicted>& predicted,
                          const std::string& place, const std::optional<diagnosis::NextManoeuvre>& next) {
@@ -410,6 +423,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
+  out << parameters_told(diagnosis);
   if (next) {
     out << fmt::format("\nNext manoeuvre    next_manoeuvre.yaml ({}): {:.2f} of the {:.2f} bits that are open are expected of it; {} and {} differ most in the {}, by {:.0f} "
                        "times its noise. Run it, and give its log on top of these.\n",
@@ -604,6 +618,11 @@ std::string crane_text(const Made& made) {
   if (explained.crane.boom.element_count != made.nominal.crane.boom.element_count) {
     text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
                                                                         "slewlab diagnose, as the sizes were fitted"));
+  }
+  if (!made.found.gains.empty()) text += "sensors:\n";
+  sim::CraneParameters read_so = explained.crane;
+  for (const diagnosis::AccelerometerGain& one : made.found.gains) {
+    text += fmt::format("  {}: {}\n", one.number.key, common::quantity_text(common::shortest(one.number.of(read_so)), one.number.unit, fmt::format("slewlab diagnose, standard deviation {:.2g}", one.deviation)));
   }
   std::map<std::string, std::string> intervals;
   for (const diagnosis::Size& size : made.answer.sizes) intervals[size.parameter] = fmt::format("90 %: {:.4g} to {:.4g}", size.low, size.high);
