@@ -39,7 +39,6 @@ constexpr double kSameTorque = 1e-3;
 constexpr double kOfNoise = 1.5;  // of the deviation of torques that were measured or rounded; the integrals are told by one of them
 // Occam's factor of one number, beside which an effect must tell: of one that is known to a twelfth of its prior.
 constexpr double kOccam = 5.0;
-constexpr double kSettled = 0.5;  // probability that nothing is missing, from which gains of accelerometers are not asked for; chosen
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -183,6 +182,12 @@ void give_up_draws_that_are_a_law(Problem& problem, const std::vector<FitResult>
     take_away(1.0, false, cause, ranking);
   }
   sort_causes(ranking.causes);
+}
+
+// Whether gains of accelerometers need not be asked for.
+bool is_nothing_likely(const Weighed& weighed) {
+  constexpr double kLikely = 0.5;  // chosen
+  return weighed.probabilities.candidate.front() > kLikely && weighed.causes.front().prior_chance >= kFarTogether;
 }
 
 // Fits of motions with one effect, and that of parameters alone.
@@ -376,14 +381,16 @@ Diagnosis diagnose_read_by(const std::vector<AccelerometerGain>& known_gains, in
   tell(kHoldOut.from, "looking for a law that is in no catalogue");
   const SmoothTorques smooth(problem, searched.best(problem.catalogue));
   Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
-  std::optional<GainsFit> gains;
-  const bool is_settled = diagnosis.mean_square_nominal <= 1.0 || (weighed.probabilities.candidate.front() > kSettled && weighed.causes.front().prior_chance >= kFarTogether);
-  if (known_gains.empty() && !is_settled) gains = fit_gains(problem, found.nothing);
-  if (gains && are_the_answer(problem, *gains, with_one_law(problem.catalogue, found), evidence)) {
-    diagnosis.gains = std::move(gains->gains);
+  const auto count_work = [&] {
     diagnosis.simulations = problem.simulations;
     diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
     diagnosis.total_seconds = seconds_since(start_time);
+  };
+  std::optional<GainsFit> gains;
+  if (known_gains.empty() && diagnosis.mean_square_nominal > 1.0 && !is_nothing_likely(weighed)) gains = fit_gains(problem, found.nothing);
+  if (gains && are_the_answer(problem, *gains, with_one_law(problem.catalogue, found), evidence)) {
+    diagnosis.gains = std::move(gains->gains);
+    count_work();
     return diagnosis;
   }
   diagnosis.least_mean_square = weighed.least_mean_square;
@@ -425,9 +432,7 @@ Diagnosis diagnose_read_by(const std::vector<AccelerometerGain>& known_gains, in
   const auto is_fitted = [&](const common::EffectInstance& effect) { return has_fit(known.at(effect.name)); };
   std::erase_if(followed.effects, [&](const common::EffectInstance& effect) { return !is_fitted(effect); });
   diagnosis.followed.explained = shadow_at(problem, followed, problem.records.size() - 1);
-  diagnosis.simulations = problem.simulations;
-  diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
-  diagnosis.total_seconds = seconds_since(start_time);
+  count_work();
   tell(1.0, "done");
   return diagnosis;
 }

@@ -480,7 +480,9 @@ std::optional<FitResult> noise_alone_at_the_floor(Problem& problem, const FitRes
   FitResult floor = fitted;
   const auto settle_there = [&](FitResult& one) {
     settle_to_the_floor(problem, one, problem.settings.rounds, kCostOfNoise);
-    return mean_square(one.difference) <= 1.0;
+    if (mean_square(one.difference) > 1.0) return false;
+    renew_columns(problem, one);  // all effects are looked at beside these, and after steps so short corrections are those of kinks
+    return true;
   };
   if (settle_there(floor)) return floor;
   std::optional<FitResult> begun = nominal_with_beginnings(problem, nominal);
@@ -653,7 +655,6 @@ void settle_to_the_floor(Problem& problem, FitResult& result, int rounds, double
     if (is_first_look) continue;  // over steps that are long
     if (before - result.cost <= kFloor || !would_come_down(before, result.cost, left - 1, reach)) break;
   }
-  renew_columns(problem, result);  // corrected after steps so short they are those of kinks
 }
 
 Relaxed relax(const Problem& problem, const FitResult& result, const PowerAbout& power, const MisfitCost& misfit_cost, double floor) {

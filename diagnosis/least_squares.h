@@ -1,10 +1,11 @@
-// The least-squares descent of every fit: Gauss-Newton steps that are held back where the cost would rise (Levenberg 1944, Marquardt 1963),
+// The least-squares descents of every fit: Gauss-Newton steps that are held back where the cost would rise (Levenberg 1944, Marquardt 1963),
 //
 //   (H + damping diag(H)) step = -g,
 //
 // g half the slope of the cost where the descent stands and H the curvature that goes with it (J^T W J and the prior's). The dampings
 // are tried in turn until the cost falls. A damped step is shorter and turns towards the steepest descent, which a shorter one of
-// the same direction would not.
+// the same direction would not. Along a narrow curved valley neither the whole step leads on nor one of a few that are damped by orders of magnitude: there the damping follows what
+// the attempts made of the fall that the model had promised (Nielsen, IMM-REP-1999-05, 1999), and new slopes begin with the damping that led on last.
 #pragma once
 
 #include <Eigen/Core>
