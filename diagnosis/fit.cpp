@@ -481,7 +481,6 @@ std::optional<FitResult> noise_alone_at_the_floor(Problem& problem, const FitRes
   const auto settle_there = [&](FitResult& one) {
     settle_to_the_floor(problem, one, problem.settings.rounds, kCostOfNoise);
     if (mean_square(one.difference) > 1.0) return false;
-    renew_columns(problem, one);  // all effects are looked at beside these, and after steps so short corrections are those of kinks
     return true;
   };
   if (settle_there(floor)) return floor;

@@ -120,7 +120,7 @@ std::string in_words(const std::vector<FarParameter>& far) {
 }
 
 std::vector<MovedParameter> moved_parameters(const Nuisances& nuisances, const std::vector<double>& amount, std::span<const AmountInterval> intervals) {
-  constexpr double kWorthTelling = 0.01, kSurely = 2.0;  // chosen
+  constexpr double kWorthTelling = 0.02, kSurely = 2.0;  // chosen
   const auto reach = [&](std::size_t k) { return 0.5 * (intervals[k].high - intervals[k].low); };
   std::vector<std::size_t> moved;
   for (std::size_t k = 0; k < std::min({amount.size(), intervals.size(), nuisances.parameters.size()}); ++k) {

@@ -99,7 +99,7 @@ struct MovedParameter {
   std::string name;
   double change = 0.0, low = 0.0, high = 0.0;  // [-] relative to the file's; 90 %
 };
-// Those at least a hundredth off, by twice what the interval leaves open: of many parameters some are off by chance by as much as that. The surest first.
+// Those at least 2 % off, by twice what the interval leaves open: of many parameters some are off by chance by as much as that, and another law or gain moves some by a per cent. The surest first.
 std::vector<MovedParameter> moved_parameters(const Nuisances& nuisances, const std::vector<double>& amount, std::span<const AmountInterval> intervals);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not

@@ -56,7 +56,10 @@ struct Asked {
 };
 
 Searched search_all(Problem& problem, FitResult base, const Asked& asked, const Shows& shows, const Progress& tell) {
-  const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, problem.settings));
+  // Corrections of columns after the short steps at the floor of a valley are those of kinks, and beside these effects would seem to show what parameters hide.
+  FitResult fresh = base;
+  if (base.mean_square <= 1.0) renew_columns(problem, fresh);
+  const Projector project(fresh.columns, prior_rows(problem, base.point), data_weight(base.difference, problem.settings));
   const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, asked.without, last_moment(problem), problem.thresholds.spell_every,
                                                                       recurring_lengths(problem, base.point, kLengths));
   Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
