@@ -480,8 +480,7 @@ std::optional<FitResult> noise_alone_at_the_floor(Problem& problem, const FitRes
   FitResult floor = fitted;
   const auto settle_there = [&](FitResult& one) {
     settle_to_the_floor(problem, one, problem.settings.rounds, kCostOfNoise);
-    if (mean_square(one.difference) > 1.0) return false;
-    return true;
+    return mean_square(one.difference) <= 1.0;
   };
   if (settle_there(floor)) return floor;
   std::optional<FitResult> begun = nominal_with_beginnings(problem, nominal);
