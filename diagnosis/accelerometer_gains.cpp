@@ -44,6 +44,7 @@ std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& parameters_
   conclude(*with_gains, result.fit);
   problem.simulations += with_gains->simulations;
   problem.simulation_time += with_gains->simulation_time;
+  if (!std::isfinite(result.fit.cost + result.fit.information.sum())) return {};  // beside it some machine could not follow the records at all
   for (std::size_t k = first; k < parameters.size(); ++k) {
     const double spread = parameters[k].spread;
     result.gains.push_back({std::string(parameters[k].name), parameters[k].numbers.front(), 1.0 + spread * result.fit.point.nuisance[k], spread * result.fit.nuisance_deviation[k]});

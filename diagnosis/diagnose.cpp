@@ -450,7 +450,7 @@ Diagnosis diagnose_with(int commands_per_row, const sim::MachineSettings& nomina
     return std::any_of(record.acceleration.begin(), record.acceleration.end(), [](const auto& one) { return !one.empty(); });
   });
   if (!has_gains) return diagnose_read_by({}, commands_per_row, nominal, controller, std::move(records), settings, progress, is_stopped, std::move(unseen));
-  const Diagnosis by_the_file = diagnose_read_by({}, commands_per_row, nominal, controller, records, settings, progress, is_stopped, unseen);
+  Diagnosis by_the_file = diagnose_read_by({}, commands_per_row, nominal, controller, records, settings, progress, is_stopped, unseen);
   if (by_the_file.gains.empty()) return by_the_file;
   constexpr Stage kOnceMore{kHoldOut.from, 1.0};
   Diagnosis answer = diagnose_read_by(by_the_file.gains, commands_per_row, nominal, controller, std::move(records), settings, within(progress, kOnceMore), is_stopped, std::move(unseen));

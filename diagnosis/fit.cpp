@@ -450,6 +450,12 @@ void forget_columns(const Problem& problem, FitResult& result) {
   result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
 }
 
+// The same, and the cost of where it stands.
+void begin_anew(const Problem& problem, FitResult& result) {
+  forget_columns(problem, result);
+  result.cost = cost_of(problem, result.point, result.difference);
+}
+
 // From where it stands, with the differences there.
 void settle_nuisances(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
@@ -554,8 +560,7 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
   begun.nuisance = fitted.point.nuisance;
   std::fill_n(begun.nuisance.begin(), problem.nuisances.common_count(), 0.0);
   FitResult result = fit_at(problem, std::move(begun));
-  forget_columns(problem, result);
-  result.cost = cost_of(problem, result.point, result.difference);
+  begin_anew(problem, result);
   const Moves moves = moves_of_beginnings(problem, result.point);
   for (int round = 0; round < problem.settings.rounds; ++round) {
     const double before = result.cost;
@@ -590,8 +595,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
 
 FitResult fit_from(Problem& problem, Point start, int rounds) {
   FitResult result = fit_at(problem, std::move(start));
-  forget_columns(problem, result);
-  result.cost = cost_of(problem, result.point, result.difference);
+  begin_anew(problem, result);
   settle(problem, result, rounds);
   return result;
 }
@@ -637,10 +641,7 @@ void settle(Problem& problem, FitResult& result, int rounds, double reach) {
 
 void settle_to_the_floor(Problem& problem, FitResult& result, int rounds, double reach) {
   constexpr double kFloor = 0.3;  // fall of the cost by a round, chosen: little beside what two causes must differ by for one of them to be twice as likely
-  if (result.columns.size() == 0) {
-    forget_columns(problem, result);
-    result.cost = cost_of(problem, result.point, result.difference);
-  }
+  if (result.columns.size() == 0) begin_anew(problem, result);
   double damping = kFirstDamping;
   for (int left = rounds; left > 0; --left) {
     const double before = result.cost;
