@@ -27,7 +27,7 @@ bool is_read(const Records& records, sim::SensorPlace place) {
 
 }  // namespace
 
-std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& parameters_alone) {
+std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& without) {
   const std::unique_ptr<Problem> with_gains = same_machine(problem);
   with_gains->records.look_at({problem.records.data(), problem.records.size()});
   with_gains->whitening = problem.whitening;
@@ -37,11 +37,18 @@ std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& parameters_
     if (is_read(problem.records, gain.place)) parameters.push_back(gain.parameter);
   }
   if (parameters.size() == first) return {};
-  Point start = parameters_alone.point;
-  start.nuisance.insert(start.nuisance.begin() + static_cast<std::ptrdiff_t>(first), parameters.size() - first, 0.0);
-  GainsFit result{fit_at(*with_gains, std::move(start)), {}};
-  settle_to_the_floor(*with_gains, result.fit, with_gains->settings.rounds);
-  conclude(*with_gains, result.fit);
+  const auto fit_from = [&](Point start) {
+    start.nuisance.insert(start.nuisance.begin() + static_cast<std::ptrdiff_t>(first), parameters.size() - first, 0.0);
+    FitResult fit = fit_at(*with_gains, std::move(start));
+    settle_to_the_floor(*with_gains, fit, with_gains->settings.rounds);
+    conclude(*with_gains, fit);
+    return fit;
+  };
+  Point as_filed = without.point;
+  std::fill_n(as_filed.nuisance.begin(), first, 0.0);
+  GainsFit result{fit_from(without.point), {}};
+  FitResult from_the_file = fit_from(std::move(as_filed));
+  if (!(result.fit.cost <= from_the_file.cost)) result.fit = std::move(from_the_file);
   problem.simulations += with_gains->simulations;
   problem.simulation_time += with_gains->simulation_time;
   if (!std::isfinite(result.fit.cost + result.fit.information.sum())) return {};  // beside it some machine could not follow the records at all

@@ -1,11 +1,11 @@
 // Accelerometers that read too much or too little. A gain stands in the machine's file as 1 where nobody has calibrated it (`sensors:`), and is no parameter of
-// every fit. But an accelerometer that reads 4 % too much does what encoders do that count 4 % too little, and by few sensors what other effects do. So parameters alone are fitted once
-// more with the gains of all accelerometers that were read free beside them, each a parameter as likely within its spread as others within theirs
-// (sim::kAccelerometerDeviation), from where they stand without; and that fit is weighed against another one by what evidence.h weighs by, without what an effect costs for being one and for its size,
+// every fit. But an accelerometer that reads 4 % too much does what encoders do that count 4 % too little, and by few sensors what other effects do. So parameters alone, and where an effect
+// beside them leaves more than noise, or wants parameters of another make, that fit too, are fitted once more with the gains of all accelerometers that were read free beside them, each a parameter as likely within its spread as others within theirs
+// (sim::kAccelerometerDeviation), from where they stand without and from where the file has the parameters, which a gain may have moved far; and the better fit is weighed against another one by what evidence.h weighs by, without what an effect costs for being one and for its size,
 //
 //   odds = exp(-(E_gains - E_other) / 2 T),   E = residual power + p of the parameters + sum(ln(1 + s lambda)).
 //
-// Where it leaves noise alone and is likelier than all that have one law at most, surely, the records are those of a machine with such accelerometers, and are diagnosed on that; where it is about as likely as a cause, that is not sure (doubt.h).
+// Where it leaves noise alone and is likelier than all that have one law more than it at most, surely, the records are those of a machine with such accelerometers, and are diagnosed on that; where it is about as likely as a cause, that is not sure (doubt.h).
 #pragma once
 
 #include <optional>
@@ -32,8 +32,8 @@ struct GainsFit {
   std::vector<AccelerometerGain> gains;
 };
 
-// From where parameters alone have ended. Nothing where no accelerometer was read. Throws Interrupted.
-std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& parameters_alone);
+// From where parameters alone, or an effect with them, have ended. Nothing where no accelerometer was read. Throws Interrupted.
+std::optional<GainsFit> fit_gains(Problem& problem, const FitResult& without);
 
 // odds / (1 + odds) of the gains against another fit on the problem's machine.
 double chance_of_gains(const Problem& problem, const GainsFit& gains, const FitResult& other, const EvidenceSettings& settings);

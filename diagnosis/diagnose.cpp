@@ -190,35 +190,77 @@ bool is_nothing_likely(const Weighed& weighed) {
   return weighed.probabilities.candidate.front() > kLikely && weighed.causes.front().prior_chance >= kFarTogether;
 }
 
-// Fits of motions with one effect, and that of parameters alone.
-std::vector<const FitResult*> with_one_law(const common::EffectCatalogue& catalogue, const Found& found) {
+// Parameters alone, and fits with so many effects at most, none of them stochastic.
+std::vector<const FitResult*> with_laws(const common::EffectCatalogue& catalogue, const Found& found, std::size_t most) {
   std::vector<const FitResult*> fits{&found.nothing};
   for (const FitResult& fit : found.fits) {
-    if (fit.point.effects.size() == 1 && stochastic_part(catalogue, fit.point).empty()) fits.push_back(&fit);
+    if (fit.point.effects.size() <= most && stochastic_part(catalogue, fit.point).empty()) fits.push_back(&fit);
   }
   return fits;
 }
 
-// Causes of the machine against gains of the accelerometers. What takes more away beside an effect would beside the gains as well, so a cause of two is as likely against them as its likelier one.
-void weigh_against_gains(const Problem& problem, const Found& found, const GainsFit& gains, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
-  const std::vector<const FitResult*> singles = with_one_law(problem.catalogue, found);
+// Gains of the accelerometers beside parameters alone, and beside effects that leave more than noise, or parameters of another make.
+std::vector<GainsFit> look_for_gains(Problem& problem, const Found& found, const Weighed& weighed) {
+  std::vector<GainsFit> all;
+  const auto look_beside = [&](const FitResult& fit) {
+    if (std::optional<GainsFit> gains = fit_gains(problem, fit)) all.push_back(std::move(*gains));
+  };
+  look_beside(found.nothing);
+  if (all.empty()) return all;
+  for (const std::size_t i : fits_to_ask_beside(problem.catalogue, found.fits, weighed.answer(found.fits))) {
+    if (found.fits[i].mean_square > 1.0 || is_of_another_make(problem.nuisances, weighed.causes[i + 1])) look_beside(found.fits[i]);
+  }
+  return all;
+}
+
+// The likeliest that are surely the answer, against everything that has one effect more at most; null where none are.
+const GainsFit* gains_of_the_answer(const Problem& problem, const std::vector<GainsFit>& gains, const Found& found, const EvidenceSettings& evidence) {
+  const GainsFit* best = nullptr;
+  for (const GainsFit& one : gains) {
+    if (!are_the_answer(problem, one, with_laws(problem.catalogue, found, one.fit.point.effects.size() + 1), evidence)) continue;
+    if (best == nullptr || chance_of_gains(problem, one, best->fit, evidence) > 0.5) best = &one;
+  }
+  return best;
+}
+
+// Gains in the place of all of a cause. What takes more away beside an effect would beside the gains as well, so a cause of two is as likely against them as its likelier one.
+GainsInstead in_place_of_all(const Problem& problem, const Found& found, const GainsFit& gains, const EvidenceSettings& evidence, const Cause& cause) {
+  std::optional<double> chance;
+  for (const FitResult* single : with_laws(problem.catalogue, found, 1)) {
+    if (single->point.effects.empty() || !has_effect(cause.point.effects, single->point.effects.front().name)) continue;
+    chance = std::min(chance.value_or(1.0), chance_of_gains(problem, gains, *single, evidence));
+  }
+  return {chance.value_or(0.0), "", in_words(gains.gains)};
+}
+
+// Gains in the place of all of a cause but for the effect that they were fitted beside.
+GainsInstead in_place_of_the_rest(const Problem& problem, const Found& found, const GainsFit& gains, const EvidenceSettings& evidence, const Cause& cause) {
+  const std::string& kept = gains.fit.point.effects.front().name;
+  const FitResult* const fit = fit_of(found.fits, cause);
+  if (fit == nullptr || cause.point.effects.size() < 2 || !has_effect(cause.point.effects, kept)) return {};
+  return {chance_of_gains(problem, gains, *fit, evidence), kept, in_words(gains.gains)};
+}
+
+// Causes of the machine against gains of the accelerometers.
+void weigh_against_gains(const Problem& problem, const Found& found, const std::vector<GainsFit>& gains, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
   doubt_what_gains_do(
       [&](const Cause& cause) {
-        if (!stochastic_part(problem.catalogue, cause.point).empty()) return 0.0;
-        std::optional<double> chance;
-        for (const FitResult* single : singles) {
-          if (single->point.effects.empty() || !has_effect(cause.point.effects, single->point.effects.front().name)) continue;
-          chance = std::min(chance.value_or(1.0), chance_of_gains(problem, gains, *single, evidence));
+        GainsInstead likeliest;
+        if (!stochastic_part(problem.catalogue, cause.point).empty()) return likeliest;
+        for (const GainsFit& one : gains) {
+          if (in_words(one.gains).empty()) continue;
+          GainsInstead instead = (one.fit.point.effects.empty() ? in_place_of_all : in_place_of_the_rest)(problem, found, one, evidence, cause);
+          if (instead.chance > likeliest.chance) likeliest = std::move(instead);
         }
-        return chance.value_or(0.0);
+        return likeliest;
       },
-      in_words(gains.gains), ranking, remarks);
+      ranking, remarks);
 }
 
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
 // know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
-          const std::optional<GainsFit>& gains, const DiagnosisSettings& settings, const EvidenceSettings& evidence, const Progress& tell, Diagnosis& diagnosis) {
+          const std::vector<GainsFit>& gains, const DiagnosisSettings& settings, const EvidenceSettings& evidence, const Progress& tell, Diagnosis& diagnosis) {
   const Found& found = searched.found;
   const bool are_parameters_likely = weighed.causes.front().prior_chance >= kFarTogether;  // with nothing missing
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
@@ -261,7 +303,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
       },
       slow, ranking, diagnosis.remarks);
   sort_causes(ranking.causes);
-  if (gains && !in_words(gains->gains).empty()) weigh_against_gains(problem, found, *gains, evidence, ranking, diagnosis.remarks);
+  weigh_against_gains(problem, found, gains, evidence, ranking, diagnosis.remarks);
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
@@ -386,10 +428,10 @@ Diagnosis diagnose_read_by(const std::vector<AccelerometerGain>& known_gains, in
     diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
     diagnosis.total_seconds = seconds_since(start_time);
   };
-  std::optional<GainsFit> gains;
-  if (known_gains.empty() && diagnosis.mean_square_nominal > 1.0 && !is_nothing_likely(weighed)) gains = fit_gains(problem, found.nothing);
-  if (gains && are_the_answer(problem, *gains, with_one_law(problem.catalogue, found), evidence)) {
-    diagnosis.gains = std::move(gains->gains);
+  std::vector<GainsFit> gains;
+  if (known_gains.empty() && diagnosis.mean_square_nominal > 1.0 && !is_nothing_likely(weighed)) gains = look_for_gains(problem, found, weighed);
+  if (const GainsFit* const of_the_answer = gains_of_the_answer(problem, gains, found, evidence)) {
+    diagnosis.gains = of_the_answer->gains;
     count_work();
     return diagnosis;
   }

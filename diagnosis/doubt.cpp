@@ -32,6 +32,12 @@ double share_that_hides(double chance) { return std::clamp(kHiding / (kHiding + 
 
 }  // namespace
 
+bool is_of_another_make(const Nuisances& nuisances, const Cause& cause) {
+  const auto parameters = cause.point.nuisance.begin();
+  const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), nuisances.parameters.size()));
+  return cause.prior_chance < kFarTogether || std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
+}
+
 void settle_on_nothing(Ranking& ranking) {
   for (Cause& cause : ranking.causes) cause.probability = cause.effects.empty() ? 1.0 : 0.0;
   ranking.unknown = 0.0;
@@ -51,14 +57,11 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
                                std::vector<std::string>& remarks) {
   constexpr double kAtTheEnd = 1e-6;  // of the range
   for (Cause& cause : ranking.causes) {
-    const auto parameters = cause.point.nuisance.begin();
-    const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), nuisances.parameters.size()));
-    const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
     const bool is_nothing = cause.effects.empty();
     if (is_nothing && is_nominal_enough) continue;  // with every parameter where the file has it
     // What the draws of a stochastic effect do no law says: they take the parameters along.
     const double share = stochastic_part(catalogue, cause.point).empty() ? share_that_hides(cause.prior_chance) : kDoubtful;
-    if (is_far_off || cause.prior_chance < kFarTogether) take_away(share, is_nothing_left && !is_nothing, cause, ranking);
+    if (is_of_another_make(nuisances, cause)) take_away(share, is_nothing_left && !is_nothing, cause, ranking);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.
@@ -152,16 +155,18 @@ void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& sha
   }
 }
 
-void doubt_what_gains_do(const std::function<double(const Cause&)>& chance_of, const std::string& gains, Ranking& ranking, std::vector<std::string>& remarks) {
+void doubt_what_gains_do(const std::function<GainsInstead(const Cause&)>& instead_of, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kWorthTelling = 0.1;  // chosen
   bool is_told = false;
   for (Cause& cause : ranking.causes) {
     if (cause.effects.empty() || cause.probability == 0.0) continue;
-    const double chance = chance_of(cause);
-    if (chance > kWorthTelling && !std::exchange(is_told, true)) {
-      remarks.push_back(fmt::format("{} is not sure: accelerometers that read by other gains than the machine's file has explain the records as well: {}. Calibrate them, or give their gains in the file (`sensors:`)", name_of(cause), gains));
+    const GainsInstead instead = instead_of(cause);
+    if (instead.chance > kWorthTelling && !std::exchange(is_told, true)) {
+      const std::string beside = instead.beside.empty() ? "" : " beside " + instead.beside;
+      remarks.push_back(fmt::format("{} is not sure: accelerometers that read by other gains than the machine's file has explain the records as well{}: {}. Calibrate them, or give their gains in the file (`sensors:`)",
+                                    name_of(cause), beside, instead.gains));
     }
-    take_away(chance, false, cause, ranking);
+    hand_on(instead.chance, [&](const std::string& effect) { return effect != instead.beside; }, false, cause, ranking);
   }
 }
 

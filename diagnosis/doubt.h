@@ -18,6 +18,9 @@
 namespace slewlab::diagnosis {
 
 inline constexpr double kFarOff = 2.6;  // [standard deviations] of a parameter, beyond which it may be another crane
+
+// Whether with this cause a parameter, or all parameters together, are farther off than machines of one make differ.
+bool is_of_another_make(const Nuisances& nuisances, const Cause& cause);
 // Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
 inline constexpr double kOutsideTheCatalogue = 0.7;
 
@@ -58,9 +61,15 @@ void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may
 // it explains is sure, and the first of them is told in `remarks`.
 void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);
 
-// Accelerometers that read by other gains than the file has explain the records with a chance of `chance_of` against a cause (accelerometer_gains.h), which loses as much. `gains` has them in
-// words; of the first of the causes it is told in `remarks`.
-void doubt_what_gains_do(const std::function<double(const Cause&)>& chance_of, const std::string& gains, Ranking& ranking, std::vector<std::string>& remarks);
+// Accelerometers that read by other gains than the machine's file has, in the place of a cause or of all of it but for one effect.
+struct GainsInstead {
+  double chance = 0.0;  // that they explain the records, against the cause (accelerometer_gains.h)
+  std::string beside;   // the effect of the cause that is left; "" where none is
+  std::string gains;    // in words
+};
+
+// A cause loses the chance that gains explain the records in its place; where an effect is left beside them, to the causes that have it. Of the first of the causes it is told in `remarks`.
+void doubt_what_gains_do(const std::function<GainsInstead(const Cause&)>& instead_of, Ranking& ranking, std::vector<std::string>& remarks);
 
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
 // with that much less weight. None comes to lead by that which has not predicted anything.

@@ -49,27 +49,13 @@ struct Compared {
   EvidenceSettings evidence;
 };
 
-// Beside which of them an unknown law is asked for: the best single effect, and those that lead together.
-std::vector<std::size_t> fits_to_ask_beside(const Problem& problem, const std::vector<FitResult>& fits, const FitResult* answer) {
-  std::vector<std::size_t> asked;
-  bool has_best = false;
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    const Point& point = fits[i].point;
-    if (point.effects.size() != 1 || !stochastic_part(problem.catalogue, point).empty()) continue;
-    const bool leads = answer != nullptr && has_effect(answer->point.effects, point.effects.front().name);
-    if (!has_best || leads) asked.push_back(i);
-    has_best = true;
-  }
-  return asked;
-}
-
 // With laws that are in no catalogue, alone or beside an effect, as hypotheses of their own: their probability is that of an unknown cause, or of the
 // effect whose residual they explain.
 void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, std::size_t effect_count, std::vector<Candidate> candidates, Weighed& weighed) {
   constexpr double kSmooth = 0.5;    // share of unknown laws that are such functions; chosen
   constexpr double kVariables = 5.0;
   const EvidenceSettings& evidence = compared.evidence;
-  const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
+  const std::vector<std::size_t> beside = fits_to_ask_beside(problem.catalogue, found.fits, weighed.answer(found.fits));
   std::vector<UnknownLaws> laws(beside.size() + 1);
   double least_cost = found.nothing.cost;
   weighed.least_mean_square = found.nothing.mean_square;
@@ -123,6 +109,17 @@ const FitResult* Weighed::answer(const std::vector<FitResult>& fits) const {
   const auto likeliest = std::max_element(probabilities.candidate.begin() + 1, probabilities.candidate.end());
   if (likeliest == probabilities.candidate.end() || probabilities.unknown >= *likeliest) return nullptr;
   return &fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)];
+}
+
+std::vector<std::size_t> fits_to_ask_beside(const common::EffectCatalogue& catalogue, const std::vector<FitResult>& fits, const FitResult* answer) {
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const Point& point = fits[i].point;
+    if (point.effects.size() != 1 || !stochastic_part(catalogue, point).empty()) continue;
+    const bool leads = answer != nullptr && has_effect(answer->point.effects, point.effects.front().name);
+    if (asked.empty() || leads) asked.push_back(i);
+  }
+  return asked;
 }
 
 Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& smooth, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled) {

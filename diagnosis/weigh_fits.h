@@ -24,6 +24,10 @@ struct Weighed {
   const FitResult* answer(const std::vector<FitResult>& fits) const;
 };
 
+// Of the fits, by rising cost, those with one effect that is not stochastic: the best one, and those of the answer's effects (null where there is no answer). Beside them something is looked for
+// that is no effect of the catalogue.
+std::vector<std::size_t> fits_to_ask_beside(const common::EffectCatalogue& catalogue, const std::vector<FitResult>& fits, const FitResult* answer);
+
 // `effect_count` effects could have been named. `is_controlled`: the commands are a controller's answers. Throws Interrupted.
 Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& smooth, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled);
 

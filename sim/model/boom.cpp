@@ -186,16 +186,34 @@ double cylinder_force(const BoomParameters& boom, double at_tip) {
   return moment / cylinder_lever(boom, boom.angle);
 }
 
-CylinderHold cylinder_hold(const BoomParameters& boom, double angle) {
-  const LuffingCylinders& cylinders = boom.cylinders;
-  if (cylinders.stiffness == 0.0) return {};
-  const CylinderLine line = cylinder_line(boom, angle);
-  double stiffness = cylinders.stiffness, force = cylinders.force;
-  if (angle != boom.angle) {
-    if (cylinders.oil_column > 0.0) stiffness *= cylinders.oil_column / oil_column(boom, angle);
-    force *= std::cos(angle) / std::cos(boom.angle) * cylinder_line(boom, boom.angle).sine / line.sine;
+namespace {
+
+// With the oil and the weight's lever of an angle.
+LuffingCylinders cylinders_at(const BoomParameters& boom, double angle) {
+  LuffingCylinders cylinders = boom.cylinders;
+  if (angle == boom.angle) return cylinders;
+  if (cylinders.oil_column > 0.0) {
+    cylinders.oil_column = oil_column(boom, angle);
+    cylinders.stiffness *= boom.cylinders.oil_column / cylinders.oil_column;
   }
-  return {.torsion = 0.5 * stiffness * line.sine * line.sine * cylinders.spacing * cylinders.spacing, .lateral = -force / line.length};
+  cylinders.force *= std::cos(angle) / std::cos(boom.angle) * cylinder_line(boom, boom.angle).sine / cylinder_line(boom, angle).sine;
+  return cylinders;
+}
+
+}  // namespace
+
+CylinderHold cylinder_hold(const BoomParameters& boom, double angle) {
+  if (boom.cylinders.stiffness == 0.0) return {};
+  const LuffingCylinders cylinders = cylinders_at(boom, angle);
+  const CylinderLine line = cylinder_line(boom, angle);
+  return {.torsion = 0.5 * cylinders.stiffness * line.sine * line.sine * cylinders.spacing * cylinders.spacing, .lateral = -cylinders.force / line.length};
+}
+
+BoomParameters raised_boom(BoomParameters boom, double by) {
+  if (boom.cylinders.stiffness != 0.0) boom.cylinders = cylinders_at(boom, boom.angle + by);
+  boom.angle += by;
+  if (boom.knuckle_position != 0.0) boom.knuckle_angle += by;
+  return boom;
 }
 
 double lateral_stiffness(double youngs_modulus, double second_moment, double length) {

@@ -119,6 +119,8 @@ CylinderHold cylinder_hold(const BoomParameters& boom, double angle);
 // [m] from the boom's pivot to the cylinders' line, positive where their lower ends lie below the boom; [m] of oil column in them.
 double cylinder_lever(const BoomParameters& boom, double angle);
 double oil_column(const BoomParameters& boom, double angle);
+// The boom as it is built, raised by an angle [rad], a knuckle keeping its bend: with the oil and the weight's lever that its cylinders have there.
+BoomParameters raised_boom(BoomParameters boom, double by);
 // Twist and deflection there, beyond where the turning pivot carries the boom, as sums over the nodes.
 struct CylinderPlace {
   Eigen::VectorXd twist, deflection;

@@ -399,6 +399,24 @@ TEST(Diagnose, TakesAnAccelerometersGainForAPartOfTheMachine) {
   EXPECT_NEAR(tip->gain, kGain, 0.01);
 }
 
+// Beside an effect as well: no effect does what one of four accelerometers does that reads 6 % too much.
+TEST(Diagnose, TakesAnAccelerometersGainBesideAnEffect) {
+  constexpr double kGain = 1.06, kLag = 0.03;  // [-], [s]
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = kBoomElements;
+  truth.crane.sensors.tip_gain = kGain;
+  truth.effects = {{"torque_lag", {kLag, 0.0}}};
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 5);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(found.causes[0].effects, std::vector<std::string>{"torque_lag"}) << found.verdict;
+  EXPECT_GT(found.lead_acts, 0.95);
+  EXPECT_NEAR(found.causes[0].point.effects[0].values[0], kLag, 0.02 * kLag);
+  const auto tip = std::find_if(found.gains.begin(), found.gains.end(), [](const AccelerometerGain& one) { return one.name == "tip accelerometer gain"; });
+  ASSERT_NE(tip, found.gains.end());
+  EXPECT_NEAR(tip->gain, kGain, 0.01);
+}
+
 // With the tip's accelerometer alone nothing tells which of the two counts wrong, and none is sure, whichever it is.
 TEST(Diagnose, IsNotSureWhetherEncodersOrAnAccelerometerCountWrong) {
   constexpr double kOff = 1.08, kPeriod = 1e-2;  // [-], [s]

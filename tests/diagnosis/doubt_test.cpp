@@ -297,13 +297,24 @@ TEST_F(Doubt, OfWhatAnOffsetThatWandersDoes) {
 
 TEST_F(Doubt, GainsOfAccelerometersTakeWhatTheyExplain) {
   ranking = {{cause_of({}, 0.05), cause_of({"a"}, 0.8), cause_of({"b"}, 0.1)}, 0.05};
-  doubt_what_gains_do([](const Cause& cause) { return cause.effects.front() == "a" ? 0.5 : 0.0; }, "tip accelerometer gain 1.040 (+-0.002)", ranking, remarks);
+  doubt_what_gains_do([](const Cause& cause) { return GainsInstead{cause.effects.front() == "a" ? 0.5 : 0.0, "", "tip accelerometer gain 1.040 (+-0.002)"}; }, ranking, remarks);
   EXPECT_NEAR(of(0), 0.05, 1e-12);
   EXPECT_NEAR(of(1), 0.4, 1e-12);
   EXPECT_NEAR(of(2), 0.1, 1e-12);
   EXPECT_NEAR(ranking.unknown, 0.45, 1e-12);
   ASSERT_EQ(remarks.size(), 1u);
   EXPECT_NE(remarks[0].find("tip accelerometer gain 1.040 (+-0.002)"), std::string::npos) << remarks[0];
+}
+
+TEST_F(Doubt, GainsBesideAnEffectHandOnToIt) {
+  ranking = {{cause_of({}, 0.0), cause_of({"a", "b"}, 0.8), cause_of({"a"}, 0.1), cause_of({"b"}, 0.05)}, 0.05};
+  doubt_what_gains_do([](const Cause& cause) { return cause.effects.size() == 2 ? GainsInstead{0.5, "a", "tip accelerometer gain 1.040 (+-0.002)"} : GainsInstead{}; }, ranking, remarks);
+  EXPECT_NEAR(of(1), 0.4, 1e-12);
+  EXPECT_NEAR(of(2), 0.5, 1e-12);
+  EXPECT_NEAR(of(3), 0.05, 1e-12);
+  EXPECT_NEAR(ranking.unknown, 0.05, 1e-12);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("as well beside a: tip"), std::string::npos) << remarks[0];
 }
 
 }  // namespace

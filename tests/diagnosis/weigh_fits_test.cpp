@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/missing_torque.h"
 
 namespace slewlab::diagnosis {
@@ -49,6 +50,19 @@ TEST(WeighFits, TheEffectThatActsIsTheAnswer) {
   EXPECT_EQ(causes[0].explained, 0.0);
   EXPECT_EQ(machine.weighed.answer(machine.found.fits), &machine.found.fits[0]);
   EXPECT_NEAR(machine.sum(), 1.0, 1e-9);
+}
+
+// Beside the best effect alone, and beside those of an answer of two; not beside what happens by chance.
+TEST(WeighFits, SomethingElseIsAskedBesideTheBestEffectAndTheAnswers) {
+  std::vector<FitResult> fits(5);
+  fits[0].point.effects = {{"command_jitter", {0.01}}};
+  fits[1].point.effects = {{"load_mass", {1.2}}, {"torque_lag", {0.01, 0.0}}};
+  fits[2].point.effects = {{"house_inertia", {1.2}}};
+  fits[3].point.effects = {{"torque_lag", {0.01, 0.0}}};
+  fits[4].point.effects = {{"rope_length", {1.2}}};
+  const common::EffectCatalogue catalogue = sim::effects_for(bench().crane);
+  EXPECT_EQ(fits_to_ask_beside(catalogue, fits, nullptr), (std::vector<std::size_t>{2}));
+  EXPECT_EQ(fits_to_ask_beside(catalogue, fits, &fits[1]), (std::vector<std::size_t>{2, 3}));
 }
 
 // Nothing acts: neither effect, nor a law that nobody knows, is likelier than that.

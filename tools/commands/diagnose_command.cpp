@@ -131,10 +131,11 @@ std::string followed_text(const Diagnosis& diagnosis) {
 std::string answer_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.gap) {
     const bool is_nominal = diagnosis.mean_square_nominal <= 1.0;
+    const std::string with_gains = diagnosis.gains.empty() ? "" : ", with gains of the accelerometers as fitted";
     if (!is_nominal && diagnosis.probability_nothing + diagnosis.probability_hidden < diagnosis::kSure) {
-      return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
+      return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records{}.", 100 * diagnosis.probability_nothing, with_gains);
     }
-    const char* const why = is_nominal ? "the residual of the nominal machine is no more than noise" : "parameters within their spread explain the records";
+    const std::string why = (is_nominal ? "the residual of the nominal machine is no more than noise" : "parameters within their spread explain the records") + with_gains;
     if (diagnosis.probability_nothing >= diagnosis::kSure) return fmt::format("No effect is missing: {}.", why);
     return fmt::format("No effect is missing that these records would show: {}; with {:.0f} % none is, with {:.0f} % one that is too small for them.", why,
                        100 * diagnosis.probability_nothing, 100 * diagnosis.probability_hidden);
