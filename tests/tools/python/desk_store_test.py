@@ -20,7 +20,7 @@ from desk.diagnosis import Diagnosis, Minute
 from desk.gap import Gap, Nominal, read_nominal
 from desk.recording import Recorder
 from desk.server import Desk
-from desk.source import Difference, Growing, Incoming, event_bytes, fill, parse_events, what_is_missing
+from desk.source import Difference, Facts, Growing, Incoming, event_bytes, fill, last_event, parse_events, what_is_missing
 from desk.steered_run import SteeredRun
 from desk.store import CAPACITY, FACTOR, Channel, Store
 
@@ -135,23 +135,30 @@ class EventTest(unittest.TestCase):
             self.assertEqual(first + second, [("A", b"123"), ("BC", b""), ("A", b"4")])
             self.assertEqual(rest, b"")
 
+    def test_the_last_event_of_a_channel_is_found_from_behind(self):
+        whole = self.event(b"OPERATOR", b"1") + self.event(b"OPERATOR", b"2") + self.event(b"A", b"of OPERATOR") + b"OPERATOR"
+        cut = self.event(b"OPERATOR", b"3 is still being written")[:-1]
+        self.assertEqual(last_event(whole + cut, "OPERATOR"), ("OPERATOR", b"2"))
+        self.assertEqual(last_event(whole + cut, "A"), ("A", b"of OPERATOR"))
+        self.assertIsNone(last_event(whole, "PLANT_STATUS"))
+
     def test_damage_is_skipped(self):
         events, rest = parse_events(b"xyz\xed\xa1" + self.event(b"A", b"1") + b"\xed\xa1\xda\x01" + b"\xff" * 30 + self.event(b"B", b"2"))
         self.assertEqual(events, [("A", b"1"), ("B", b"2")])
         self.assertEqual(rest, b"")
 
 
-def events_of_a_second(torque_time_offset=0, run_identity=1, begin=0.0):
+def events_of_a_second(torque_time_offset=0, run_identity=1, begin=0.0, groups=1):
     """A second of ENCODER and TORQUE every 10 ms."""
     types = message_types()
     for k in range(100):
         for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
             message = kind()
-            message.run_identity, message.simulated_time, message.group_count = run_identity, round(begin * 1e9) + k * 10_000_000, 1
+            message.run_identity, message.simulated_time, message.group_count = run_identity, round(begin * 1e9) + k * 10_000_000, groups
             if channel == "ENCODER":
-                message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
+                message.shaft_speed, message.shaft_position = [float(run_identity)] * groups, [0.0] * groups
             else:
-                message.motor_torque = [5.0]
+                message.motor_torque = [5.0] * groups
                 if k == 50:
                     message.simulated_time += torque_time_offset
             yield channel, message.encode()
@@ -173,6 +180,29 @@ class IncomingTest(unittest.TestCase):
         incoming.take(list(events_of_a_second(run_identity=2))[:40])
         self.assertAlmostEqual(store.last, 0.19)
         self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
+
+    def test_a_run_of_another_machine_may_have_another_number_of_motor_groups(self):
+        for first, second in ((2, 1), (1, 3)):
+            store = Store()
+            incoming = Incoming(functools.partial(fill, store), store.clear)
+            incoming.take([*events_of_a_second(groups=first), *list(events_of_a_second(run_identity=2, groups=second))[:20]])
+            incoming.take(list(events_of_a_second(run_identity=2, groups=second))[20:])
+            self.assertEqual([name for name in store.channels["TORQUE"].names if "torque" in name], [f"TORQUE.motor_torque.{group}" for group in range(second)])
+            self.assertEqual((store.at(f"ENCODER.shaft_speed.{second - 1}", 0.5), round(store.last, 2)), (2.0, 0.99))
+
+
+class FactsTest(unittest.TestCase):
+    def test_of_another_run_in_the_folder_the_machine_is_told_anew(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        path, facts = folder / "run.json", Facts(folder / "run.lcmlog")
+        self.assertEqual(facts.read(), {})
+        for number, (text, known) in enumerate((('{"machine": 1}', 1), ('{"mach', 1), ('{"machine": 2}', 2), (None, 2))):  # half written, and taken away
+            if text is None:
+                path.unlink()
+            else:
+                path.write_text(text)
+                os.utime(path, (1e9 + number,) * 2)  # whatever the clock of the file system can tell apart
+            self.assertEqual(facts.read(), {"machine": known})
 
 
 class GrowingTest(unittest.TestCase):
