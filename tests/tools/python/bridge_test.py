@@ -397,6 +397,13 @@ class BridgeTest(unittest.TestCase):
                     self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
                     self.assertIn(words, run.stderr)
 
+    def test_a_log_tells_its_machine_itself_and_a_bus_only_by_a_folder_that_is_there(self):
+        for arguments, words in (([self.folder, "--run", self.folder], "--run belongs to --bus"),
+                                 (["--bus", "udpm://239.255.76.67:7667?ttl=0", "--run", self.folder], "run.json: there is no such file")):
+            run = subprocess.run([SLEWLAB, "bridge", "--foxglove", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+            self.assertEqual(run.returncode, 2)
+            self.assertIn(words, run.stderr)
+
     def test_it_is_served_on_loopback_alone(self):
         run = subprocess.run([SLEWLAB, "bridge", "--foxglove", self.folder, "--host", "0.0.0.0"], capture_output=True, text=True, timeout=PATIENCE)
         self.assertEqual(run.returncode, 2)
