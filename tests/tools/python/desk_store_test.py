@@ -487,6 +487,75 @@ class GapTest(unittest.TestCase):
         self.assertIsNotNone(gap.since)
 
 
+class ControllerTest(unittest.TestCase):
+    """What the desk says of a controller that stops by itself."""
+
+    def asked_and_answered(self, questions, answers, begin=0):
+        """Events of ENCODER every 10 ms, the first of them answered."""
+        types = message_types()
+        for k in range(begin, begin + questions):
+            for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE"))[:2 if k < begin + answers else 1]:
+                message = kind()
+                message.run_identity, message.simulated_time, message.group_count = 1, k * 10_000_000, 1
+                if channel == "ENCODER":
+                    message.sequence, message.shaft_speed, message.shaft_position = k, [0.0], [0.0]
+                else:
+                    message.answered_sequence, message.motor_torque = k, [0.0]
+                yield channel, message.encode()
+
+    def desk(self, is_repeated=False, run=None):
+        self.now = 100.0
+        self.enterContext(unittest.mock.patch("time.monotonic", lambda: self.now))
+        self.source = Said(1)
+        self.source.is_repeated, self.source.waiting = is_repeated, []
+        return Desk([self.source], Access("127.0.0.1"), run)
+
+    def later(self, desk, events=(), seconds=10.0):
+        self.now += seconds
+        self.source.waiting = list(events)
+        desk.poll(self.source)
+        return desk.trouble(self.source)
+
+    def test_nothing_is_said_of_one_that_answers(self):
+        desk = self.desk()
+        for begin in range(0, 50, 10):
+            self.assertEqual(self.later(desk, self.asked_and_answered(10, 10, begin)), "")
+            # Against the wall clock, looked at between question and answer.
+            self.assertEqual(self.later(desk, self.asked_and_answered(6, 5, begin + 10)), "")
+        self.source.facts = {"end": "complete"}
+        self.assertEqual(self.later(desk), "")
+
+    def test_a_plant_that_waits_for_its_controller_says_since_when(self):
+        for run, is_repeated, words in ((None, False, "The plant waits for it, or has ended."), (unittest.mock.Mock(), False, "The plant waits for it: the run stands still.")):
+            desk = self.desk(is_repeated, run)
+            self.assertEqual(self.later(desk, self.asked_and_answered(101, 100)), "")
+            self.assertEqual(self.later(desk, seconds=1.9), "")
+            self.assertEqual(self.later(desk, seconds=0.2), f"The controller has answered nothing since 0.990 s. {words}")
+            self.assertEqual(self.later(desk, self.asked_and_answered(10, 10, 100)), "")
+
+    def test_on_a_bus_the_question_is_heard_again_while_the_plant_is_there(self):
+        desk = self.desk(is_repeated=True)
+        self.later(desk, self.asked_and_answered(101, 100))
+        again = list(self.asked_and_answered(1, 0, 100))
+        self.assertEqual(self.later(desk, again), "The controller has answered nothing since 0.990 s. The plant waits for it: the run stands still.")
+        self.assertEqual(self.later(desk), "")
+
+    def test_against_the_wall_clock_questions_go_on_without_answers(self):
+        desk = self.desk()
+        self.later(desk, self.asked_and_answered(101, 100))
+        self.assertEqual(self.later(desk, self.asked_and_answered(100, 0, 101)), "The controller has answered nothing since 0.990 s.")
+
+    def test_one_that_never_answered_is_told_so(self):
+        desk = self.desk()
+        self.later(desk, self.asked_and_answered(1, 0))
+        self.assertEqual(self.later(desk), "The controller has not answered at all. The plant waits for it, or has ended.")
+
+    def test_a_process_that_ended_is_told_with_its_exit_code(self):
+        desk = self.desk()
+        self.source.facts = {"end": "the controller ended before its time: exit code 7 at 2.0 s of simulated time"}
+        self.assertEqual(self.later(desk, self.asked_and_answered(10, 10)), "The controller ended before its time: exit code 7 at 2.0 s of simulated time.")
+
+
 class AccessTest(unittest.TestCase):
     def test_only_its_own_pages_are_served(self):
         local = Access("127.0.0.1")

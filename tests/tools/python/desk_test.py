@@ -332,6 +332,26 @@ class DeskTest(unittest.TestCase):
             page.mouse("mouseReleased", x, y)
             page.until("document.getElementById('trip').hidden")
 
+    def test_a_controller_that_stops_by_itself_is_said_in_words(self):
+        number = self.folder / "process"
+        controller = (f"echo $$ > {number}; exec {SLEWLAB.parent}/slewlab-controller --config {REPOSITORY}/config/controllers/thesis.yaml "
+                      "--period-ms 10")
+        with self.steered("--controller", controller) as desk:
+            page = self.open(desk.address)
+            process = int(number.read_text())
+            page.until("document.getElementById('trip').hidden && desk.at > 0.5")
+            os.kill(process, signal.SIGSTOP)
+            self.state(page, "controller silent")
+            words = page.value("document.getElementById('trip').innerText")
+            self.assertRegex(words, r"^The controller has answered nothing since \d+\.\d+ s\. The plant waits for it: the run stands still\.$")
+            os.kill(process, signal.SIGCONT)
+            self.state(page, "controller stopped")  # its lever is at zero
+            page.until("document.getElementById('trip').hidden")
+            os.kill(process, signal.SIGKILL)
+            self.state(page, "run ended")
+            page.until("document.getElementById('trip').innerText.includes('The controller ended before its time: killed by signal 9 (Killed) at ')")
+            self.assertNotIn("plant is process", page.value("document.getElementById('notice').innerText"))
+
     def test_one_page_has_the_joystick_and_its_end_lets_go(self):
         with self.steered("--let-go-after", "30") as desk:  # it is its end that lets go, not that two pages are slow on a machine with other work
             first, second = self.open(desk.address), self.open(desk.address)

@@ -147,6 +147,7 @@ class Bus:
     """What is said on a bus, as this process hears it (docs/wire.md). `facts_folder`: of the run, whose run.json tells the machine."""
 
     is_live = True
+    is_repeated = True  # an ENCODER that is not answered is heard again
 
     def __init__(self, address, facts_folder=None, receive=None, begin=None, channels=tuple(USED)):
         import lcm
@@ -219,6 +220,7 @@ class Incoming:
         self.identity = None  # [bytes] of this run
         self.run = 0  # counts the runs
         self.newest = None  # [ns] of this run's ENCODER
+        self.asked, self.answered, self.answered_time = -1, -1, None  # sequence of the newest ENCODER, of the newest that was answered, its time [ns]
         self.span = None  # [ns] times of the plant's messages of this batch
         self.taps = []  # each gets all events as they are, when it is known of which run they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
@@ -241,13 +243,15 @@ class Incoming:
                 continue
             rows = self.decoders[channel].decode(own)
             if channel == "ENCODER" and len(rows):
-                self.newest = int(rows["simulated_time"].max())
+                self.newest, self.asked = int(rows["simulated_time"].max()), int(rows["sequence"].max())
             if channel in OF_CONTROLLER and self.span is not None:  # a bit that turned over may be one of the time
                 time = rows["simulated_time"]
                 rows = rows[(time >= self.span[0] - LATE) & (time <= self.span[1] + LATE)]
             elif len(rows) and channel not in OF_CONTROLLER:
                 times = [int(rows["simulated_time"].min()), int(rows["simulated_time"].max()), *(self.span or ())]
                 self.span = min(times), max(times)
+            if channel == "TORQUE":
+                self._note_answers(rows)
             if channel == "OPERATOR":
                 self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
             if len(rows):
@@ -263,6 +267,13 @@ class Incoming:
             self.moves.clear()
             self.decoders.clear()
             self.run, self.identity, self.newest = self.run + 1, None, None
+            self.asked, self.answered, self.answered_time = -1, -1, None
+
+    def _note_answers(self, rows):
+        good = rows[rows["answered_sequence"] <= self.asked]  # others answer nothing
+        if len(good) and int(good["answered_sequence"].max()) > self.answered:
+            newest = good[np.argmax(good["answered_sequence"])]
+            self.answered, self.answered_time = int(newest["answered_sequence"]), int(newest["simulated_time"])
 
     def _learn(self, channel, sample):
         """Whether it is known now how the channel's messages are laid out."""
@@ -310,6 +321,7 @@ class Growing:
     """The log of a run that is under way, PATH or PATH.partial."""
 
     is_live = True
+    is_repeated = False
     MOST_AT_ONCE = 1 << 22  # [bytes]
 
     def __init__(self, path, name=None, receive=None, begin=None, channels=tuple(USED)):
