@@ -97,16 +97,6 @@ class StoreTest(unittest.TestCase):
         self.assertEqual(envelope[0][2], -1.0)
         self.assertEqual(store.at("OPERATOR.speed_request", 3.5, True), -1.0)
 
-    def test_a_step_of_more_than_five_usual_ones_is_a_hole(self):
-        time = np.concatenate((np.arange(0.0, 5.0, 0.01), np.arange(8.0, 20.0, 0.01)))
-        time = np.delete(time, [100, 200, 201, 202])  # one message lost, three in a row: none is a hole
-        for piece in (3, 70, 5000):
-            channel = Channel(["a"])
-            for first in range(0, len(time), piece):
-                channel.append(time[first:first + piece], np.zeros((1, len(time[first:first + piece]))))
-            with self.subTest(piece=piece):
-                self.assertEqual([(round(before, 6), round(behind, 6)) for before, behind in channel.holes], [(4.99, 8.0)])
-
     def test_the_value_at_a_time_is_the_samples_own_as_long_as_it_is_held(self):
         time, values, channel = self.filled(4000, 100, 1024)
         low, high = channel.range_at(3.7005)
