@@ -122,6 +122,10 @@ class Chart {
     this.element.append(heading, this.legend, this.place);
     parent.append(this.element);
     this.cursor = null;
+    // What is out of sight is drawn when it comes into it.
+    this.isSeen = false;
+    this.observer = new IntersectionObserver((changes) => { this.isSeen = changes.at(-1).isIntersecting; if (this.isSeen) this.drawLatest(); }, {rootMargin: `${CHART_HEIGHT}px`});
+    this.observer.observe(this.element);
     this.begin();
   }
 
@@ -206,21 +210,31 @@ class Chart {
   // `found`: {key: {columns: Float32Array of (lowest, highest) by column, value: at `at`, holes: [[begin, end] columns]}}. `over`: the
   // sources that end before `at`. To uPlot undefined is a column without a sample, which a line crosses, and null one without messages.
   draw(times, found, from, to, at, over) {
-    const data = [times];
     this.lines.forEach((line, i) => {
-      const {columns = null, value, holes = []} = found[line.key] ?? {}, values = new Array(times.length).fill(undefined);
-      if (columns) for (let k = 0; k < values.length; ++k) if (columns[k] === columns[k]) values[k] = columns[k] * line.scale;
-      for (const [begin, end] of holes) for (let k = 2 * begin; k < 2 * end; ++k) values[k] ??= null;
+      const {columns = null, value, holes = []} = found[line.key] ?? {};
       this.values[i].textContent = shownRange(over.has(line.key.split(":")[0]) ? null : value, line.scale);
-      data.push(values);
       this.drawn[i] = {columns, holes, scale: line.scale};
     });
     this.cursor = at;
+    this.latest = {times, from, to};
+    if (this.isSeen) this.drawLatest();
+  }
+
+  drawLatest() {
+    if (!this.latest) return;
+    const {times, from, to} = this.latest, data = [times];
+    this.latest = null;
+    for (const {columns, holes, scale} of this.drawn) {
+      const values = new Array(times.length).fill(undefined);
+      if (columns) for (let k = 0; k < values.length; ++k) if (columns[k] === columns[k]) values[k] = columns[k] * scale;
+      for (const [begin, end] of holes) for (let k = 2 * begin; k < 2 * end; ++k) values[k] ??= null;
+      data.push(values);
+    }
     this.plot.batch(() => {
       this.plot.setData(data, false);
       this.plot.setScale("x", {min: from, max: to});
     });
   }
 
-  remove() { this.plot.destroy(); this.element.remove(); }
+  remove() { this.observer.disconnect(); this.plot.destroy(); this.element.remove(); }
 }

@@ -43,6 +43,7 @@ class Desk {
     by("exaggeration").addEventListener("change", () => this.ask());
     by("viewpoint").addEventListener("change", () => this.ask());
     addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); requestAnimationFrame(() => this.ask()); });  // uPlot is as wide a moment later
+    addEventListener("beforeprint", () => { for (const chart of this.charts) chart.drawLatest(); });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ask());
     setInterval(() => this.listen(), 500);
     this.connect();
