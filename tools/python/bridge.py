@@ -87,7 +87,7 @@ class Topics:
         self.waiting.clear()
         while not self.late.empty():
             viewer, channel = self.late.get()
-            if channel in self.standing:  # it holds now: a viewer places it where its clock stands
+            if channel in self.standing:  # it holds now: a viewer places it where its clock stands. The SDK numbers viewers and sinks alike
                 self.topics[channel].log(self.standing[channel], log_time=self.now, sink_id=viewer)
 
 
