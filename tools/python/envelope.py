@@ -5,7 +5,6 @@ import numpy as np
 
 BINS = 2000         # [-] of a long series; a screen has hardly more columns
 MOST_POINTS = 8000  # [-] that are drawn of one series
-MISSED = 5          # [-] periods without a message that are a gap; as many as `slewlab import` draws no line through
 
 
 class Envelope:
@@ -60,22 +59,6 @@ class Envelope:
         there = np.isfinite(times)
         there[1:] &= ~((times[1:] == times[:-1]) & (values[1:] == values[:-1]))  # one sample that is two of the four
         return times[there], values[there]
-
-
-class Gaps:
-    """Of times [s] that come piece by piece: where none came for longer than MISSED mean periods, as (last before, first after). What is
-    shorter than a bin is not seen in a picture, and not kept."""
-
-    def __init__(self, first, last, count):
-        self.found, self.newest = [], None
-        self.least = max(MISSED * (last - first) / max(1, count - 1), (last - first) / BINS)
-
-    def add(self, time):
-        if self.newest is not None:
-            time = np.append(self.newest, time)
-        at = np.flatnonzero(np.diff(time) > self.least)
-        self.found += zip(time[at].tolist(), time[at + 1].tolist())
-        self.newest = time[-1]
 
 
 def broken(x, y, gaps):

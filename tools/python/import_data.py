@@ -3,7 +3,8 @@
     slewlab import --map MAP.yaml FILE.csv|FILE.parquet [--out LOG.lcmlog]
 
 Row k becomes ENCODER k, the TORQUE that answers it, SENSORS k where a sensor is mapped, and an OPERATOR message where
-the operator's wish changes. Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
+the operator's wish changes. Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all. Where the
+map names a machine, NAME.json beside NAME.lcmlog tells it to report, export, desk and bridge.
 The data may be larger than memory: they are read a stretch at a time, and what the map asks of them is kept as columns on disk
 until the log is written.
 """
@@ -26,6 +27,7 @@ from import_signals import convert
 from import_table import Rows, read_table
 from input_map import InputProblems, is_scalar
 from run_log import LogProblem
+from run_numbers import facts_path, is_of_a_run, is_of_an_import
 from whole_file import growing, is_free
 
 
@@ -39,8 +41,10 @@ def canonical(node):
 
 
 def remove_what_was_made_of(log):
-    """What report and export wrote beside an older log of that name, as `slewlab run` takes it away (tools/commands/run_facts.cpp,
+    """What report, export and import wrote beside an older log of that name, as `slewlab run` takes it away (tools/commands/run_facts.cpp,
     remove_earlier_run): none of it may be taken for the new log's. What others wrote stays."""
+    if is_ours(log):
+        facts_path(log).unlink()
     page = report.place_of(log)
     if page.is_file() and page.stat().st_size and is_free(page, report.BEGINNING.encode()):
         page.unlink()
@@ -51,6 +55,18 @@ def remove_what_was_made_of(log):
                 shutil.rmtree(exported)
             else:
                 exported.unlink()
+
+
+def is_ours(log):
+    """Whether slewlab wrote the facts that stand beside a log."""
+    facts = facts_path(log)
+    return facts.is_file() and (is_of_a_run(log) or is_of_an_import(facts))
+
+
+def write_facts(log, file, machine):
+    """Of which machine the log is, in the terms of run.json."""
+    with growing(facts_path(log)) as partial:
+        partial.write_text(json.dumps({"imported_from": file.name} | machine.facts(), indent=2) + "\n", encoding="utf-8")
 
 
 def main(arguments=None):
@@ -65,6 +81,9 @@ def main(arguments=None):
         fail_if_wrong(mapping)
         if out.suffix != ".lcmlog":
             raise LogProblem(f"--out: found {out}, expected a name that ends in .lcmlog")
+        if mapping.machine and facts_path(out).exists() and not is_ours(out):
+            raise LogProblem(f"{facts_path(out)}: found a file that slewlab did not write, expected none: there the machine of {out.name} is told; "
+                             "name another log with --out")
         folder = next(parent for parent in out.absolute().parents if parent.is_dir())  # beside the log: as large as it
         row = Rows(mapping, options.file)
         text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name + (str(mapping.machine) if mapping.machine else "")
@@ -75,6 +94,8 @@ def main(arguments=None):
                 counts = write_log(partial, grid, signals, ranges, configuration_hash(text), identity_of(options.file))
                 ranges.check_request(mapping, row)
                 remove_what_was_made_of(out)
+                if mapping.machine:
+                    write_facts(out, options.file, mapping.machine)
     except InputProblems as problems:
         print(problems, file=sys.stderr)
         return 2

@@ -3,11 +3,11 @@
 import numpy as np
 
 from column_shelf import median_of_steps
+from holes import LONGEST_STEP, is_hole
 from import_table import CUT, WrongCells, check_numbers
 from unit import SPELLINGS
 
 UNEVEN = 0.25             # [periods] by which a row may miss the even grid
-LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
 MOST_DENSE = 100          # [new rows per row] that resampling may make
 SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
 NANOSECONDS = 1_000_000_000
@@ -124,9 +124,9 @@ def even_grid(mapping, seconds, row):
             steps = np.diff(values)
             if len(steps) and steps.max() > longest:
                 longest, behind = steps.max(), max(begin - 1, 0) + int(np.argmax(steps))
-        if longest > LONGEST_GAP * usual:
+        if is_hole(longest, usual):
             mapping.time.report("column", f"a gap of {longest:.6g} s behind {row(behind)}",
-                                f"at most {LONGEST_GAP:g} usual intervals of {usual:.6g} s to bridge{CUT}")
+                                f"at most {LONGEST_STEP:g} usual intervals of {usual:.6g} s to bridge{CUT}")
             return None
         if mapping.resample == "linear" and period > 2.0 * usual:
             mapping.reader.report(

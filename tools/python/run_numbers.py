@@ -10,6 +10,7 @@ import numpy as np
 from run_log import LogProblem, read_run_log
 from run_overview import AFTER_STOP, BEFORE_STOP, Overview, phase_of
 from spectrum import find_peaks
+from whole_file import is_free
 
 # Of the frequencies that are looked for: from between the load's swing and the machine's first mode to above its boom's fifth
 # bending mode, the highest that a boom of a few elements has right; spectra over so many periods of the first mode.
@@ -18,6 +19,7 @@ UNKNOWN_FIRST = 1.3          # [Hz] of a machine that nothing is known of: chose
 SHARE = 0.25                 # of the largest peak that a peak must reach to be named
 FLOOR = 0.002                # [m/s^2] below which a spectrum is called quiet
 MOST_PEAKS = 3
+BEGINNING_OF_AN_IMPORT = b'{\n  "imported_from": '  # of the facts beside an imported log, by which they are told from a file of its user
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def band_of(facts):
 
 @dataclass
 class Run:
-    """A run's log and what run.json beside it says of it (empty where there is none)."""
+    """A run's log and what stands beside it (empty where nothing does)."""
 
     name: str
     log: object
@@ -69,10 +71,15 @@ def is_of_a_run(log):
     return log.name in ("run.lcmlog", "run.lcmlog.partial")
 
 
+def facts_path(log):
+    """Where it stands what machine a log is of: run.json beside run.lcmlog, NAME.json beside NAME.lcmlog."""
+    return log.with_name(log.name.removesuffix(".partial").removesuffix(".lcmlog") + ".json")
+
+
 def facts_beside(log):
-    """What run.json beside a run's log says; nothing beside any other log."""
-    path = log.parent / "run.json"
-    if not is_of_a_run(log) or not path.is_file():
+    """What stands beside a log: run.json of a run, or what `slewlab import` wrote; any other file of that name is not slewlab's."""
+    path = facts_path(log)
+    if not path.is_file() or not is_of_a_run(log) and not is_of_an_import(path):
         return {}
     try:
         return json.loads(path.read_text())
@@ -80,8 +87,12 @@ def facts_beside(log):
         raise LogProblem(f"{path}: {error}") from error
 
 
+def is_of_an_import(facts):
+    return facts.stat().st_size > 0 and is_free(facts, BEGINNING_OF_AN_IMPORT)
+
+
 def beside(log):
-    """The run of a log, with what run.json beside it says."""
+    """The run of a log, with what stands beside it."""
     path = log.path
     return Run(path.resolve().parent.name if is_of_a_run(path) else path.stem, log, facts_beside(path))
 

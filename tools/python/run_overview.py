@@ -5,7 +5,8 @@ import collections
 
 import numpy as np
 
-from envelope import Envelope, Gaps
+from envelope import BINS, Envelope
+from holes import Holes
 from run_log import seconds
 from spectrum import Spectrum
 
@@ -149,7 +150,7 @@ class Overview:
                 continue
             table = self.log.tables[channel]
             if channel != "OPERATOR":
-                self._gaps[channel] = Gaps(table.first, table.last, table.rows)
+                self._gaps[channel] = Holes(least=(table.last - table.first) / BINS)  # what is shorter is not seen in a picture
             for field, value in fields.items():
                 shape = () if value else table.dtype[field].shape
                 self._envelopes[channel, field] = [Envelope(table.first, table.last, table.rows)

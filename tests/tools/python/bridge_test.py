@@ -29,6 +29,12 @@ BEGINNING = 100_000           # [bytes] of a made run in which every channel has
 REPEATED = 30                 # [-] made runs, 40 MB: more than sockets hold for who does not read
 
 
+LINEAR_MOTOR = {"kind": "axis", "position_unit": "m", "speed_unit": "m/s",
+                "efforts": [{"name": "motor force", "unit": "N"}, {"name": "force on the axis", "unit": "N"}],
+                "sensors": [{"name": name, "unit": unit, "channel": "ENCODER", "field": field}
+                            for name, unit, field in (("motor speed", "m/s", "shaft_speed"), ("motor position", "m", "shaft_position"))]}
+
+
 def message_class(channel):
     schema = channel["schema"]
     files = descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(schema))
@@ -68,6 +74,8 @@ class Viewer:
             self.capabilities = told["capabilities"]
         elif told["op"] == "advertise":
             self.channels |= {each["topic"]: each for each in told["channels"]}
+        elif told["op"] == "unadvertise":
+            self.channels = {topic: each for topic, each in self.channels.items() if each["id"] not in told["channelIds"]}
         return None
 
     def of(self, channel):
@@ -77,6 +85,13 @@ class Viewer:
         self.connection.send(json.dumps({"op": "unsubscribe", "subscriptionIds": numbers}))
         self.connection.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": number, "channelId": self.channels[self.wanted[number]]["id"]}
                                                                               for number in numbers]}))
+
+    def attend(self):
+        """Subscribes when all channels are there, and waits until that counts: a ping is answered in its turn."""
+        while not set(self.channels) >= set(self.wanted.values()):
+            self.hear()
+        self.subscribe(list(self.wanted))
+        self.connection.ping().wait(PATIENCE)
 
     def watch(self, log, data):
         """Subscribes while `data` is written to `log` a part at a time, and hears it to its last SENSORS. Nobody says when a subscription
@@ -168,10 +183,7 @@ class BridgeTest(unittest.TestCase):
         wanted = {channel for channel, *_ in events}
         with connect(self.start(self.folder), subprotocols=["foxglove.sdk.v1"]) as connection:
             viewer = Viewer(connection, sorted(wanted))
-            while not set(viewer.channels) >= wanted:
-                viewer.hear()
-            viewer.subscribe(list(viewer.wanted))
-            connection.ping().wait(PATIENCE)  # answered in its turn, behind the subscriptions
+            viewer.attend()
             with log.open("ab") as stream:
                 stream.write((self.folder / "whole.lcmlog").read_bytes())
             viewer.hear_to_the_end()
@@ -180,12 +192,81 @@ class BridgeTest(unittest.TestCase):
         self.assertEqual(sorted(viewer.of("OPERATOR")), [0, 2_000_000_000, 10_000_000_000])
         self.assertEqual(message_class(viewer.channels["MOTION"]).FromString(viewer.of("MOTION")[500_000_000]).rope_length, 57.5)
 
+    def append(self, log, *events):
+        """Writes (channel, time [ns], message) behind what is in a log."""
+        made_run.write_log(self.folder / "more.lcmlog", events)
+        with log.open("ab") as stream:
+            stream.write((self.folder / "more.lcmlog").read_bytes())
+
+    def operator(self, time, request):
+        message = made_run.types.operator_t()
+        message.simulated_time, message.run_identity, message.speed_request = time, made_run.RUN, request
+        return "OPERATOR", time, message
+
+    def test_who_comes_late_hears_at_once_what_stands(self):
+        """The operator said something when the stop was pressed at 10 s, and nothing since; the run has come to 20 s."""
+        log = self.begun()
+        log.write_bytes(self.made())
+        second = 1_000_000_000
+        address = self.start(self.folder)
+        with connect(address, subprotocols=["foxglove.sdk.v1"]) as first, connect(address, subprotocols=["foxglove.sdk.v1"]) as second_one:
+            viewers = [Viewer(connection, ["OPERATOR"]) for connection in (first, second_one)]
+            viewers[0].attend()
+            while not viewers[0].of("OPERATOR"):
+                viewers[0].hear()
+            self.append(log, self.operator(21 * second, 0.25))
+            while len(viewers[0].of("OPERATOR")) < 2:
+                viewers[0].hear()
+            viewers[1].attend()
+            while not viewers[1].of("OPERATOR"):
+                viewers[1].hear()
+            self.append(log, self.operator(22 * second, 0.5))
+            for viewer in viewers:
+                while 22 * second not in viewer.of("OPERATOR"):
+                    viewer.hear()
+            kind = message_class(viewers[0].channels["OPERATOR"])
+        said = [[(time / second, message.simulated_time / second, message.speed_request, message.emergency_stop)
+                 for channel, time, data in viewer.told if channel for message in [kind.FromString(data)]] for viewer in viewers]
+        # What stands is placed where the run has come to, and told to nobody who has heard it.
+        self.assertEqual(said[0], [(19.99, 10, 1.0, True), (21, 21, 0.25, False), (22, 22, 0.5, False)])
+        self.assertEqual(said[1], [(21, 21, 0.25, False), (22, 22, 0.5, False)])
+
+    def test_a_run_of_another_machine_has_its_own_arrays_and_units(self):
+        log = self.begun()
+        with connect(self.start(self.folder), subprotocols=["foxglove.sdk.v1"]) as connection:
+            viewer = Viewer(connection, ["SENSORS", "TORQUE"])
+            viewer.attend()
+            of_crane = dict(viewer.channels)
+            with log.open("ab") as stream:
+                stream.write(self.made())
+            viewer.hear_to_the_end()
+            self.assertEqual(list(message_class(of_crane["TORQUE"]).FromString(viewer.of("TORQUE")[0]).motor_torque), [100.0, -50.0])
+            viewer.told.clear()
+            # A linear motor, of one group, whose run begins in the same folder.
+            (self.folder / "run.json").write_text(json.dumps({"machine": LINEAR_MOTOR}))
+            events = made_run.messages(run_identity=made_run.RUN + 1)
+            for channel, time, message in events:
+                if channel in ("ENCODER", "TORQUE"):
+                    message.group_count = 1
+                if channel == "ENCODER":
+                    message.shaft_speed, message.shaft_position = [0.25], [0.0]
+                if channel == "TORQUE":
+                    message.motor_torque = [300.0]
+            self.append(log, *[event for event in events if event[1] == 0])
+            while any(viewer.channels.get(name) in (None, of_crane[name]) for name in viewer.wanted.values()):
+                viewer.hear()
+            viewer.wanted = {90: "TORQUE", 91: "SENSORS"}
+            viewer.attend()
+            self.append(log, *[event for event in events if event[1] > 0])
+            viewer.hear_to_the_end()
+        axis = viewer.channels["TORQUE"]
+        self.assertEqual((axis["metadata"]["motor_torque"], units_of(axis)["motor_torque"]), ("N", "[N]"))
+        messages = viewer.of("TORQUE")
+        self.assertLessEqual(set(range(10_000_000, END, 10_000_000)), set(messages))
+        self.assertEqual({tuple(message_class(axis).FromString(data).motor_torque) for data in messages.values()}, {(300.0,)})
+
     def test_a_linear_axis_has_its_own_units(self):
-        sensors = [{"name": name, "unit": unit, "channel": "ENCODER", "field": field}
-                   for name, unit, field in (("motor speed", "m/s", "shaft_speed"), ("motor position", "m", "shaft_position"))]
-        efforts = [{"name": "motor force", "unit": "N"}, {"name": "force on the axis", "unit": "N"}]
-        machine = {"kind": "axis", "position_unit": "m", "speed_unit": "m/s", "efforts": efforts, "sensors": sensors}
-        (self.folder / "run.json").write_text(json.dumps({"machine": machine}))
+        (self.folder / "run.json").write_text(json.dumps({"machine": LINEAR_MOTOR}))
         log = self.begun()
         with connect(self.start(self.folder), subprotocols=["foxglove.sdk.v1"]) as connection:
             viewer = Viewer(connection, ["TORQUE", "SENSORS"])
@@ -315,6 +396,13 @@ class BridgeTest(unittest.TestCase):
                     run = subprocess.run([SLEWLAB, *command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
                     self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
                     self.assertIn(words, run.stderr)
+
+    def test_a_log_tells_its_machine_itself_and_a_bus_only_by_a_folder_that_is_there(self):
+        for arguments, words in (([self.folder, "--run", self.folder], "--run belongs to --bus"),
+                                 (["--bus", "udpm://239.255.76.67:7667?ttl=0", "--run", self.folder], "run.json: there is no such file")):
+            run = subprocess.run([SLEWLAB, "bridge", "--foxglove", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+            self.assertEqual(run.returncode, 2)
+            self.assertIn(words, run.stderr)
 
     def test_it_is_served_on_loopback_alone(self):
         run = subprocess.run([SLEWLAB, "bridge", "--foxglove", self.folder, "--host", "0.0.0.0"], capture_output=True, text=True, timeout=PATIENCE)

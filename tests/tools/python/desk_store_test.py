@@ -20,7 +20,7 @@ from desk.diagnosis import Diagnosis, Minute
 from desk.gap import Gap, Nominal, read_nominal
 from desk.recording import Recorder
 from desk.server import Desk
-from desk.source import Difference, Growing, Incoming, event_bytes, fill, parse_events, what_is_missing
+from desk.source import Difference, Facts, Growing, Incoming, event_bytes, fill, last_event, parse_events, what_is_missing
 from desk.steered_run import SteeredRun
 from desk.store import CAPACITY, FACTOR, Channel, Store
 
@@ -97,16 +97,6 @@ class StoreTest(unittest.TestCase):
         self.assertEqual(envelope[0][2], -1.0)
         self.assertEqual(store.at("OPERATOR.speed_request", 3.5, True), -1.0)
 
-    def test_a_step_of_more_than_five_usual_ones_is_a_hole(self):
-        time = np.concatenate((np.arange(0.0, 5.0, 0.01), np.arange(8.0, 20.0, 0.01)))
-        time = np.delete(time, [100, 200, 201, 202])  # one message lost, three in a row: none is a hole
-        for piece in (3, 70, 5000):
-            channel = Channel(["a"])
-            for first in range(0, len(time), piece):
-                channel.append(time[first:first + piece], np.zeros((1, len(time[first:first + piece]))))
-            with self.subTest(piece=piece):
-                self.assertEqual([(round(before, 6), round(behind, 6)) for before, behind in channel.holes], [(4.99, 8.0)])
-
     def test_the_value_at_a_time_is_the_samples_own_as_long_as_it_is_held(self):
         time, values, channel = self.filled(4000, 100, 1024)
         low, high = channel.range_at(3.7005)
@@ -135,23 +125,30 @@ class EventTest(unittest.TestCase):
             self.assertEqual(first + second, [("A", b"123"), ("BC", b""), ("A", b"4")])
             self.assertEqual(rest, b"")
 
+    def test_the_last_event_of_a_channel_is_found_from_behind(self):
+        whole = self.event(b"OPERATOR", b"1") + self.event(b"OPERATOR", b"2") + self.event(b"A", b"of OPERATOR") + b"OPERATOR"
+        cut = self.event(b"OPERATOR", b"3 is still being written")[:-1]
+        self.assertEqual(last_event(whole + cut, "OPERATOR"), ("OPERATOR", b"2"))
+        self.assertEqual(last_event(whole + cut, "A"), ("A", b"of OPERATOR"))
+        self.assertIsNone(last_event(whole, "PLANT_STATUS"))
+
     def test_damage_is_skipped(self):
         events, rest = parse_events(b"xyz\xed\xa1" + self.event(b"A", b"1") + b"\xed\xa1\xda\x01" + b"\xff" * 30 + self.event(b"B", b"2"))
         self.assertEqual(events, [("A", b"1"), ("B", b"2")])
         self.assertEqual(rest, b"")
 
 
-def events_of_a_second(torque_time_offset=0, run_identity=1, begin=0.0):
+def events_of_a_second(torque_time_offset=0, run_identity=1, begin=0.0, groups=1):
     """A second of ENCODER and TORQUE every 10 ms."""
     types = message_types()
     for k in range(100):
         for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
             message = kind()
-            message.run_identity, message.simulated_time, message.group_count = run_identity, round(begin * 1e9) + k * 10_000_000, 1
+            message.run_identity, message.simulated_time, message.group_count = run_identity, round(begin * 1e9) + k * 10_000_000, groups
             if channel == "ENCODER":
-                message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
+                message.shaft_speed, message.shaft_position = [float(run_identity)] * groups, [0.0] * groups
             else:
-                message.motor_torque = [5.0]
+                message.motor_torque = [5.0] * groups
                 if k == 50:
                     message.simulated_time += torque_time_offset
             yield channel, message.encode()
@@ -173,6 +170,29 @@ class IncomingTest(unittest.TestCase):
         incoming.take(list(events_of_a_second(run_identity=2))[:40])
         self.assertAlmostEqual(store.last, 0.19)
         self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
+
+    def test_a_run_of_another_machine_may_have_another_number_of_motor_groups(self):
+        for first, second in ((2, 1), (1, 3)):
+            store = Store()
+            incoming = Incoming(functools.partial(fill, store), store.clear)
+            incoming.take([*events_of_a_second(groups=first), *list(events_of_a_second(run_identity=2, groups=second))[:20]])
+            incoming.take(list(events_of_a_second(run_identity=2, groups=second))[20:])
+            self.assertEqual([name for name in store.channels["TORQUE"].names if "torque" in name], [f"TORQUE.motor_torque.{group}" for group in range(second)])
+            self.assertEqual((store.at(f"ENCODER.shaft_speed.{second - 1}", 0.5), round(store.last, 2)), (2.0, 0.99))
+
+
+class FactsTest(unittest.TestCase):
+    def test_of_another_run_in_the_folder_the_machine_is_told_anew(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        path, facts = folder / "run.json", Facts(folder / "run.lcmlog")
+        self.assertEqual(facts.read(), {})
+        for number, (text, known) in enumerate((('{"machine": 1}', 1), ('{"mach', 1), ('{"machine": 2}', 2), (None, 2))):  # half written, and taken away
+            if text is None:
+                path.unlink()
+            else:
+                path.write_text(text)
+                os.utime(path, (1e9 + number,) * 2)  # whatever the clock of the file system can tell apart
+            self.assertEqual(facts.read(), {"machine": known})
 
 
 class GrowingTest(unittest.TestCase):
@@ -455,6 +475,75 @@ class GapTest(unittest.TestCase):
         self.assertIsNone(gap.since)
         self.tell(gap, 2, 12.1)
         self.assertIsNotNone(gap.since)
+
+
+class ControllerTest(unittest.TestCase):
+    """What the desk says of a controller that stops by itself."""
+
+    def asked_and_answered(self, questions, answers, begin=0):
+        """Events of ENCODER every 10 ms, the first of them answered."""
+        types = message_types()
+        for k in range(begin, begin + questions):
+            for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE"))[:2 if k < begin + answers else 1]:
+                message = kind()
+                message.run_identity, message.simulated_time, message.group_count = 1, k * 10_000_000, 1
+                if channel == "ENCODER":
+                    message.sequence, message.shaft_speed, message.shaft_position = k, [0.0], [0.0]
+                else:
+                    message.answered_sequence, message.motor_torque = k, [0.0]
+                yield channel, message.encode()
+
+    def desk(self, is_repeated=False, run=None):
+        self.now = 100.0
+        self.enterContext(unittest.mock.patch("time.monotonic", lambda: self.now))
+        self.source = Said(1)
+        self.source.is_repeated, self.source.waiting = is_repeated, []
+        return Desk([self.source], Access("127.0.0.1"), run)
+
+    def later(self, desk, events=(), seconds=10.0):
+        self.now += seconds
+        self.source.waiting = list(events)
+        desk.poll(self.source)
+        return desk.trouble(self.source)
+
+    def test_nothing_is_said_of_one_that_answers(self):
+        desk = self.desk()
+        for begin in range(0, 50, 10):
+            self.assertEqual(self.later(desk, self.asked_and_answered(10, 10, begin)), "")
+            # Against the wall clock, looked at between question and answer.
+            self.assertEqual(self.later(desk, self.asked_and_answered(6, 5, begin + 10)), "")
+        self.source.facts = {"end": "complete"}
+        self.assertEqual(self.later(desk), "")
+
+    def test_a_plant_that_waits_for_its_controller_says_since_when(self):
+        for run, is_repeated, words in ((None, False, "The plant waits for it, or has ended."), (unittest.mock.Mock(), False, "The plant waits for it: the run stands still.")):
+            desk = self.desk(is_repeated, run)
+            self.assertEqual(self.later(desk, self.asked_and_answered(101, 100)), "")
+            self.assertEqual(self.later(desk, seconds=1.9), "")
+            self.assertEqual(self.later(desk, seconds=0.2), f"The controller has answered nothing since 0.990 s. {words}")
+            self.assertEqual(self.later(desk, self.asked_and_answered(10, 10, 100)), "")
+
+    def test_on_a_bus_the_question_is_heard_again_while_the_plant_is_there(self):
+        desk = self.desk(is_repeated=True)
+        self.later(desk, self.asked_and_answered(101, 100))
+        again = list(self.asked_and_answered(1, 0, 100))
+        self.assertEqual(self.later(desk, again), "The controller has answered nothing since 0.990 s. The plant waits for it: the run stands still.")
+        self.assertEqual(self.later(desk), "")
+
+    def test_against_the_wall_clock_questions_go_on_without_answers(self):
+        desk = self.desk()
+        self.later(desk, self.asked_and_answered(101, 100))
+        self.assertEqual(self.later(desk, self.asked_and_answered(100, 0, 101)), "The controller has answered nothing since 0.990 s.")
+
+    def test_one_that_never_answered_is_told_so(self):
+        desk = self.desk()
+        self.later(desk, self.asked_and_answered(1, 0))
+        self.assertEqual(self.later(desk), "The controller has not answered at all. The plant waits for it, or has ended.")
+
+    def test_a_process_that_ended_is_told_with_its_exit_code(self):
+        desk = self.desk()
+        self.source.facts = {"end": "the controller ended before its time: exit code 7 at 2.0 s of simulated time"}
+        self.assertEqual(self.later(desk, self.asked_and_answered(10, 10)), "The controller ended before its time: exit code 7 at 2.0 s of simulated time.")
 
 
 class AccessTest(unittest.TestCase):

@@ -136,6 +136,46 @@ class DeskTest(unittest.TestCase):
                            f" return lines.length > {drawn} && lines.slice({drawn}).every(isEmpty) && lines.every(line => line[0] !== null)"
                            f" && chart.values.slice({drawn}).every(value => value.textContent === '–'); }})()")
 
+    def test_a_line_goes_through_all_that_its_columns_hold_in_few_points(self):
+        draw, count, height = np.random.default_rng(1), 400, 150.0
+        noise = np.sort(draw.normal(75.0, 20.0, (count, 2)), axis=1)
+        smooth = np.repeat(75.0 + 60.0 * np.sin(np.arange(count)[:, None] / 60.0), 2, axis=1)
+        held = np.full((count, 2), np.nan)
+        held[[0, 100, 250]] = [[10.0, 10.0], [90.0, 90.0], [40.0, 40.0]]
+        broken = smooth.copy()
+        broken[150:200] = np.nan
+        spike = np.full((count, 2), 20.0)
+        spike[123, 1] = 140.0
+        cases = {"noise": (noise, [], False, 2 * count), "smooth": (smooth, [], False, count / 8), "a spike": (spike, [], False, 8),
+                 "held": (held, [], True, 8), "broken": (broken, [[150, 200]], False, count / 8)}
+        with DeskProcess(made_run.write_run(self.folder / "a")) as desk:
+            page = self.open(desk.address)
+            page.value("window.pathOf = (columns, holes, isHeld, height) => { const kept = Path2D, points = [], count = columns.length / 2;"
+                       " window.Path2D = class { moveTo(x, y) { points.push([]); this.lineTo(x, y); } lineTo(x, y) { points.at(-1).push([x, y]); } };"
+                       " const times = Array.from({length: 2 * count}, (_, k) => Math.floor(k / 2) + 0.5);"
+                       " const plot = {bbox: {left: 0, top: 0, width: count, height}, scales: {x: {min: 0, max: count}, y: {min: 0, max: height}}, series: [{}, {scale: 'y'}], data: [times]};"
+                       " linePath(() => ({columns: columns.map((value) => value ?? NaN), holes, scale: 1}), isHeld)(plot, 1); window.Path2D = kept; return points; }, 0")
+            for name, (columns, holes, is_held, most) in cases.items():
+                told = [None if np.isnan(value) else value for value in columns.ravel().tolist()]
+                lines = [np.array(line) for line in page.value(f"pathOf({json.dumps(told)}, {holes}, {json.dumps(is_held)}, {height})")]
+                with self.subTest(name):
+                    self.assertLessEqual(sum(map(len, lines)), most)
+                    self.assertEqual(len(lines), 1 + len(holes))
+                    for column in np.flatnonzero(np.isfinite(columns[:, 0]) & (not is_held)):
+                        x, (low, high) = column + 0.5, columns[column]
+                        line = next(each for each in lines if each[0, 0] <= x <= each[-1, 0])
+                        values = height - np.concatenate((line[line[:, 0] == x, 1], [np.interp(x, line[:, 0], line[:, 1])] if x not in line[:, 0] else []))
+                        self.assertLessEqual(max(abs(values.min() - low), abs(values.max() - high)), 0.51)
+            # A value that is held goes on until the next one, and steps there.
+            line = np.array(page.value(f"pathOf({json.dumps([None if np.isnan(v) else v for v in held.ravel().tolist()])}, [], true, {height})")[0])
+            np.testing.assert_allclose(line, [[0.5, 140.0], [100.5, 140.0], [100.5, 60.0], [250.5, 60.0], [250.5, 110.0]], atol=1e-5)
+            # What is out of sight is drawn when it comes into it.
+            page.size(420, 500)
+            page.value("scrollTo(0, 0), desk.seek(3)")
+            page.until("desk.charts[0].cursor === 3 && desk.charts[3].latest && !desk.charts[3].isSeen")
+            page.value("desk.charts[3].element.scrollIntoView()")
+            page.until("desk.charts[3].isSeen && !desk.charts[3].latest")
+
     def test_what_a_picture_lacks_is_said_within_it(self):
         with DeskProcess(made_run.write_run(self.folder / "a"), made_run.write_run(self.folder / "b")) as desk:
             page = self.open(desk.address, width=800)
@@ -331,6 +371,26 @@ class DeskTest(unittest.TestCase):
             self.state(page, "drive running")
             page.mouse("mouseReleased", x, y)
             page.until("document.getElementById('trip').hidden")
+
+    def test_a_controller_that_stops_by_itself_is_said_in_words(self):
+        number = self.folder / "process"
+        controller = (f"echo $$ > {number}; exec {SLEWLAB.parent}/slewlab-controller --config {REPOSITORY}/config/controllers/thesis.yaml "
+                      "--period-ms 10")
+        with self.steered("--controller", controller) as desk:
+            page = self.open(desk.address)
+            process = int(number.read_text())
+            page.until("document.getElementById('trip').hidden && desk.at > 0.5")
+            os.kill(process, signal.SIGSTOP)
+            self.state(page, "controller silent")
+            words = page.value("document.getElementById('trip').innerText")
+            self.assertRegex(words, r"^The controller has answered nothing since \d+\.\d+ s\. The plant waits for it: the run stands still\.$")
+            os.kill(process, signal.SIGCONT)
+            self.state(page, "controller stopped")  # its lever is at zero
+            page.until("document.getElementById('trip').hidden")
+            os.kill(process, signal.SIGKILL)
+            self.state(page, "run ended")
+            page.until("document.getElementById('trip').innerText.includes('The controller ended before its time: killed by signal 9 (Killed) at ')")
+            self.assertNotIn("plant is process", page.value("document.getElementById('notice').innerText"))
 
     def test_one_page_has_the_joystick_and_its_end_lets_go(self):
         with self.steered("--let-go-after", "30") as desk:  # it is its end that lets go, not that two pages are slow on a machine with other work

@@ -13,7 +13,10 @@ import pandas as pd
 import export
 import import_data
 import report
+from desk import charts
+from desk.source import Recorded
 from run_log import read_run_log, seconds
+from run_numbers import facts_beside
 
 RATIO = 2735.58
 A, W = 0.02, 2 * np.pi * 0.5  # [rad], [rad/s] of the crane
@@ -421,6 +424,44 @@ motor_torque: {column: f, unit: N m, on: axis}
             self.assertEqual(report.main([str(self.out)]), 2)
             for file_format in export.FORMATS:
                 self.assertEqual(export.main([str(self.out), "--format", file_format]), 2, file_format)
+
+    def linear_axis(self):
+        """Columns of a linear motor, of the machine that the map names."""
+        (self.folder / "axis.yaml").write_text(
+            "kind: axis\ndescription: A linear motor.\ncoordinate: {value: linear, source: test}\nmass: {value: 95, unit: kg, source: test}\n"
+            "rated_force: {value: 600, unit: N, source: test}\ntop_speed: {value: 0.3, unit: m/s, source: test}\n")
+        t = 0.002 * np.arange(500)
+        return pd.DataFrame({"t": t, "x": 50.0 * np.sin(2.0 * t), "f": -19.0 * np.sin(2.0 * t)}), (
+            "kind: import_map\nmachine: axis.yaml\ntime: {column: t, unit: s, origin: first_row}\nshaft_position:\n  - {column: x, unit: mm}\n"
+            "shaft_speed:\n  - {derive: central_difference}\nmotor_torque:\n  - {column: f, unit: N}\n")
+
+    def test_a_linear_axis_stays_one_for_whoever_shows_or_exports_its_log(self):
+        data, text = self.linear_axis()
+        self.assertEqual(self.call(data, text), (0, ""))
+        shown = {chart["title"]: chart["unit"] for chart in charts.charts(Recorded(self.out).facts, Recorded(self.out).store)}
+        self.assertEqual(shown, {"speed of the axis": "m/s", "motor force": "% of the rated force"})
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            self.assertEqual(export.main([str(self.out), "--format", "csv"]), 0)
+            self.assertEqual(report.main([str(self.out)]), 0)
+        columns = {name: (self.folder / "a_csv" / f"{name}.csv").read_text().split("\n")[0] for name in ("ENCODER", "TORQUE")}
+        for column, channel in (("motor_speed [m/s]", "ENCODER"), ("motor_position [m]", "ENCODER"), ("motor_force [N]", "TORQUE")):
+            self.assertIn(f'"{column}"', columns[channel])
+        self.assertRegex(said.getvalue(), r"largest speed +0\.1 m/s")
+        # Of a machine that the next map does not name nothing is said any more.
+        self.assertEqual(self.call(table())[0], 0)
+        self.assertEqual(facts_beside(self.out), {})
+        self.assertFalse((self.folder / "a.json").exists())
+
+    def test_a_file_of_the_user_is_no_machine_and_is_not_written_over(self):
+        data, text = self.linear_axis()
+        for content in ("", '{"machine": {"kind": "axis"}}', "notes"):
+            (self.folder / "a.json").write_text(content)
+            code, error = self.call(data, text)
+            self.assertEqual((code, error), (2, "slewlab import: a.json: found a file that slewlab did not write, expected none: there the machine of "
+                                             "a.lcmlog is told; name another log with --out\n"))
+            self.assertFalse(self.out.exists())
+        self.assertEqual(self.call(table())[0], 0)
+        self.assertEqual((facts_beside(self.out), (self.folder / "a.json").read_text()), ({}, "notes"))
 
     def test_an_older_log_survives_a_failure(self):
         self.out.write_bytes(b"older")

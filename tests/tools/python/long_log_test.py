@@ -12,8 +12,9 @@ import pyarrow.parquet
 
 import made_run
 import report
-from envelope import BINS, MOST_POINTS, Envelope, Gaps, broken, thinned
+from envelope import BINS, MOST_POINTS, Envelope, broken, thinned
 from event_rows import event_type, fill_heads
+from holes import Holes
 from run_log import RunLog
 from run_numbers import numbers, read_run
 from sanitizer import IS_SANITIZED
@@ -116,7 +117,7 @@ class EnvelopeTest(unittest.TestCase):
     def test_a_gap_of_a_long_series_is_found_however_it_is_cut_and_no_line_is_drawn_through_it(self):
         x = np.delete(np.arange(100_000) * 1e-3, np.r_[20_000:50_000, 70_000:70_004])  # 30 s; and 4 messages, which are no gap
         for pieces in (1, 313):
-            gaps = Gaps(x[0], x[-1], len(x))
+            gaps = Holes()
             for part in np.array_split(x, pieces):
                 gaps.add(part)
             self.assertEqual(gaps.found, [(19.999, 50.0)])

@@ -37,9 +37,11 @@ FILES = {  # address: (file, type)
 # The page may run its own files and talk to where it came from; nothing else.
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; frame-ancestors 'none'; base-uri 'none'"
 POLL = 0.02          # [s] between two looks at a growing log
+UNANSWERED = 2.0     # [s] of wall clock after which it is said that the controller answers no more
 STILL = 0.25         # [s] after which a page that waits for something new is answered all the same
 HELLO_PATIENCE = 10  # [s] until a connection has to say who it is
 GONE = "the page that had the joystick was closed or is out of sight"
+CONTROLLER_ENDED = "the controller ended before its time"  # begins run.json's words for it (tools/commands/run_command.cpp)
 MOST_PIXELS = 4096
 MOST_SIGNALS = 200
 LARGEST_REQUEST = 1 << 16  # [bytes]
@@ -64,6 +66,7 @@ class Desk:
         self.joystick, self.pages = Joystick(), set()
         self.news, self.restarting = asyncio.Condition(), False
         self.began, self.heard = time.monotonic(), {}  # [s] of wall clock; by source: when there was something new
+        self.answered = {}  # by source: (which ENCODER was answered last, [s] of wall clock until when there was nothing to complain of)
 
     @property
     def is_live(self):
@@ -72,6 +75,31 @@ class Desk:
     def silence(self, source):
         """[s] of wall clock since there was something new of a live source; None of a recorded one."""
         return time.monotonic() - self.heard.get(source, self.began) if source.is_live else None
+
+    def poll(self, source):
+        """Takes what is new of a source; whether there was anything."""
+        had_news, now = source.poll(), time.monotonic()
+        if had_news:
+            self.heard[source] = now
+        if source.is_live and (source.incoming.answered >= source.incoming.asked or source.incoming.answered != self.answered.get(source, (None,))[0]):
+            self.answered[source] = source.incoming.answered, now
+        return had_news
+
+    def trouble(self, source):
+        """What to say of a controller that ended by itself, or that answers no more; nothing of any other."""
+        end = source.facts.get("end", "under way")
+        if end.startswith(CONTROLLER_ENDED):
+            return f"{end[0].upper()}{end[1:]}."
+        if not source.is_live or end != "under way" or time.monotonic() - self.answered.get(source, (None, self.began))[1] < UNANSWERED:
+            return ""
+        incoming, is_silent = source.incoming, self.silence(source) >= UNANSWERED
+        if is_silent and source.is_repeated:
+            return ""  # a plant that waits asks again: this one has ended
+        since = "not answered at all" if incoming.answered < 0 else f"answered nothing since {incoming.answered_time * 1e-9:.3f} s"
+        waits = ""
+        if incoming.asked == incoming.answered + 1:
+            waits = " The plant waits for it, or has ended." if is_silent and self.run is None else " The plant waits for it: the run stands still."
+        return f"The controller has {since}.{waits}"
 
     async def follow(self):
         """Takes what is new of growing sources, and lets go of a joystick that nobody holds any more."""
@@ -83,8 +111,7 @@ class Desk:
             if late > self.joystick.patience:  # what pages said meanwhile is of long ago
                 self.joystick.give_back(self.joystick.holder, f"the desk stood still for {late:.1f} s")
             for source in self.sources:
-                if source.poll():
-                    had_news, self.heard[source] = True, time.monotonic()
+                had_news = self.poll(source) or had_news
             if self.run is not None and not self.restarting:
                 self.joystick.expire(time.monotonic())
                 if self.run.ended:
@@ -228,7 +255,7 @@ class Page:
             header["holes"].append([missing.get(name, []) for name in names])
             has_ended = not source.is_live and at > source.store.last
             header["sources"].append({"pose": None if has_ended else charts.pose(source.facts, source.store, at),
-                                      "state": charts.state(source.store, at), "ended": source.store.last if has_ended else None,
+                                      "state": charts.state(source.store, at), "trouble": self.desk.trouble(source), "ended": source.store.last if has_ended else None,
                                       "first": finite(source.store.first), "last": finite(source.store.last)})
             for name in names:
                 blocks.append(np.stack(found[name], 1).astype("<f4").tobytes())

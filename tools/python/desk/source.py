@@ -2,7 +2,7 @@
 
 import contextlib
 import functools
-import json
+import mmap
 import os
 import struct
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from run_log import LogProblem, message_types
-from run_numbers import read_run
+from run_numbers import facts_beside, facts_path, read_run
 from signals import measured
 from desk.store import Store
 
@@ -129,30 +129,48 @@ class Difference:
         return False
 
 
+class Facts:
+    """What stands beside a log of what goes on, which is written when a run begins, and again when it ends."""
+
+    def __init__(self, log):
+        self.log, self.changed, self.known = log, None, {}
+
+    def read(self):
+        with contextlib.suppress(FileNotFoundError, LogProblem):  # not yet there, or not yet whole
+            changed = facts_path(self.log).stat().st_mtime_ns
+            if changed != self.changed:
+                self.known, self.changed = facts_beside(self.log), changed
+        return self.known
+
+
 class Bus:
-    """What is said on a bus, as this process hears it (docs/wire.md)."""
+    """What is said on a bus, as this process hears it (docs/wire.md). `facts_folder`: of the run, whose run.json tells the machine."""
 
     is_live = True
+    is_repeated = True  # an ENCODER that is not answered is heard again
 
-    def __init__(self, address, facts_folder=None, receive=None, channels=tuple(USED)):
+    def __init__(self, address, facts_folder=None, receive=None, begin=None, channels=tuple(USED)):
         import lcm
 
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
-        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear, channels)
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), begin or self.store.clear, channels)
+        self.facts_file = None
+        if facts_folder is not None:
+            self.facts_file = Facts(Path(facts_folder) / "run.lcmlog")
+            if not facts_path(self.facts_file.log).is_file():
+                raise LogProblem(f"{facts_path(self.facts_file.log)}: there is no such file; slewlab run writes it when it begins")
+            self.facts = facts_beside(self.facts_file.log)
         try:
             self.bus = lcm.LCM(address)
         except RuntimeError as error:
             raise NoBus(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
         self.subscription = self.bus.subscribe("|".join(channels), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
-        if facts_folder is not None:
-            facts = Path(facts_folder) / "run.json"
-            if not facts.is_file():
-                raise LogProblem(f"{facts}: there is no such file; slewlab run writes it when it begins")
-            self.facts = json.loads(facts.read_text())
 
     def poll(self):
+        if self.facts_file is not None:
+            self.facts = self.facts_file.read()
         while self.bus.handle_timeout(0):
             pass
         events, self.events = self.events, []
@@ -163,6 +181,7 @@ KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "in
 OF_CONTROLLER = ("TORQUE", "CONTROLLER_STATE")  # logged as they came, whatever that was
 LATE = 5_000_000_000  # [ns] by which an answer may lie beside the plant's messages that came with it
 FINGERPRINT = 8  # [bytes] in front of every message
+TIME = slice(16, 24)  # [bytes] of every message: simulated time [ns]
 IDENTITY = slice(32, 40)  # [bytes] of every message: of which run it is
 
 
@@ -176,7 +195,7 @@ def row_type(message_class, count_of):
 
 
 class Decoder:
-    """Many messages of one channel at once: all that are as long as the first have its array counts."""
+    """Many messages of one channel and run at once: all that are as long as the first have its array counts."""
 
     def __init__(self, message_class, sample):
         message = message_class.decode(sample)
@@ -197,9 +216,11 @@ class Incoming:
     comes and none of the one before, or the time falls: the same is said once more."""
 
     def __init__(self, receive, begin=lambda: None, channels=tuple(USED)):
-        self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
+        self.receive, self.begin, self.decoders = receive, begin, {}
+        self.identity = None  # [bytes] of this run
         self.run = 0  # counts the runs
         self.newest = None  # [ns] of this run's ENCODER
+        self.asked, self.answered, self.answered_time = -1, -1, None  # sequence of the newest ENCODER, of the newest that was answered, its time [ns]
         self.span = None  # [ns] times of the plant's messages of this batch
         self.taps = []  # each gets all events as they are, when it is known of which run they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
@@ -215,24 +236,22 @@ class Incoming:
         # The plant's own first: by them it is known which run this is, and which times there are.
         for channel in sorted(waiting, key=lambda name: (name in OF_CONTROLLER, name != "ENCODER")):
             messages = waiting[channel]
-            if channel not in self.decoders:
-                try:
-                    self.decoders[channel] = Decoder(self.classes[channel], messages[0])
-                except (ValueError, struct.error):
-                    continue  # no message: a bit turned over on its way
-            rows = self.decoders[channel].decode(messages)
-            if len(rows) and (self.identity is None or channel == "ENCODER" and self._is_another(rows)):
-                self.forget()
-                self.identity = rows["run_identity"][-1]
-            rows = rows[rows["run_identity"] == self.identity]
+            if self.identity is None or channel == "ENCODER":
+                self._look_for_another(channel, messages)
+            own = [data for data in messages if data[IDENTITY] == self.identity]
+            if not own or channel not in self.decoders and not self._learn(channel, own[0]):
+                continue
+            rows = self.decoders[channel].decode(own)
             if channel == "ENCODER" and len(rows):
-                self.newest = int(rows["simulated_time"].max())
+                self.newest, self.asked = int(rows["simulated_time"].max()), int(rows["sequence"].max())
             if channel in OF_CONTROLLER and self.span is not None:  # a bit that turned over may be one of the time
                 time = rows["simulated_time"]
                 rows = rows[(time >= self.span[0] - LATE) & (time <= self.span[1] + LATE)]
             elif len(rows) and channel not in OF_CONTROLLER:
                 times = [int(rows["simulated_time"].min()), int(rows["simulated_time"].max()), *(self.span or ())]
                 self.span = min(times), max(times)
+            if channel == "TORQUE":
+                self._note_answers(rows)
             if channel == "OPERATOR":
                 self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
             if len(rows):
@@ -242,22 +261,42 @@ class Incoming:
         return bool(waiting)
 
     def forget(self):
-        """What comes next is of another run."""
+        """What comes next is of another run, and maybe of another machine, with arrays of other lengths."""
         if self.identity is not None:
             self.begin()
             self.moves.clear()
+            self.decoders.clear()
             self.run, self.identity, self.newest = self.run + 1, None, None
+            self.asked, self.answered, self.answered_time = -1, -1, None
 
-    def _is_another(self, rows):
-        own = rows["simulated_time"][rows["run_identity"] == self.identity]
-        return len(own) == 0 or self.newest is not None and int(own.max()) < self.newest - LATE
+    def _note_answers(self, rows):
+        good = rows[rows["answered_sequence"] <= self.asked]  # others answer nothing
+        if len(good) and int(good["answered_sequence"].max()) > self.answered:
+            newest = good[np.argmax(good["answered_sequence"])]
+            self.answered, self.answered_time = int(newest["answered_sequence"]), int(newest["simulated_time"])
+
+    def _learn(self, channel, sample):
+        """Whether it is known now how the channel's messages are laid out."""
+        try:
+            self.decoders[channel] = Decoder(self.classes[channel], sample)
+        except (ValueError, struct.error):
+            return False  # no message: a bit turned over on its way
+        return True
+
+    def _look_for_another(self, channel, messages):
+        """Whose run these messages are of is the one that is followed, where it is another than up to now."""
+        fingerprint = self.classes[channel]._get_packed_fingerprint()
+        whole = [data for data in messages if data[:FINGERPRINT] == fingerprint and len(data) >= IDENTITY.stop]
+        own = [int.from_bytes(data[TIME], "big", signed=True) for data in whole if data[IDENTITY] == self.identity]
+        is_this = own and (self.newest is None or max(own) >= self.newest - LATE)
+        if not whole or is_this or not self._learn(channel, whole[-1]):
+            return
+        self.forget()
+        self.identity = whole[-1][IDENTITY]
 
     def of_this_run(self, events):
         """Those that say that they are of the run that is followed."""
-        if self.identity is None:
-            return []
-        identity = int(self.identity).to_bytes(8, "big", signed=True)
-        return [(channel, data) for channel, data in events if data[IDENTITY] == identity]
+        return [(channel, data) for channel, data in events if self.identity is not None and data[IDENTITY] == self.identity]
 
 
 def growing_log(place):
@@ -282,14 +321,15 @@ class Growing:
     """The log of a run that is under way, PATH or PATH.partial."""
 
     is_live = True
+    is_repeated = False
     MOST_AT_ONCE = 1 << 22  # [bytes]
 
-    def __init__(self, path, name=None, receive=None, channels=tuple(USED)):
-        self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
+    def __init__(self, path, name=None, receive=None, begin=None, channels=tuple(USED)):
+        self.path, self.name, self.remarks = Path(path), name or Path(path).resolve().parent.name, []
         self.store = Store()
-        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear, channels)
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), begin or self.store.clear, channels)
         self.file, self.rest = None, b""
-        self.facts_changed = None
+        self.facts_file, self.facts = Facts(self.path), facts_beside(self.path)
 
     def _newest(self):
         """The log that was written last: of another run in the same folder than one that is complete, the unfinished one."""
@@ -319,30 +359,25 @@ class Growing:
             self.incoming.forget()
 
     def skip_what_is_there(self):
-        """Only what is written from now on is taken."""
+        """What is written from now on is taken, and of what is there what stands until the next message."""
         self._open()
-        if self.file is not None:
-            self.file.seek(0, 2)
+        if self.file is not None and self.file.seek(0, os.SEEK_END):
+            with mmap.mmap(self.file.fileno(), 0, access=mmap.ACCESS_READ) as written:
+                self.file.seek(len(written))
+                standing = [last_event(written, channel) for channel in ("ENCODER", *SPORADIC)]  # ENCODER: of which run they are
+            self.incoming.take([event for event in standing if event is not None])
 
     def poll(self):
         """Takes what has been written since; whether there was anything."""
         self._open()
         if self.file is None:
             return False
-        self._read_facts()
+        self.facts = self.facts_file.read()
         data = self.file.read(self.MOST_AT_ONCE)
         if not data:
             self._follow_another()
         events, self.rest = parse_events(self.rest + data)
         return self.incoming.take(events)
-
-    def _read_facts(self):
-        """run.json is written when a run begins, and again when it ends."""
-        path = self.path.parent / "run.json"
-        with contextlib.suppress(FileNotFoundError, ValueError):  # not yet there, or not yet whole
-            changed = path.stat().st_mtime_ns
-            if changed != self.facts_changed:
-                self.facts, self.facts_changed = json.loads(path.read_text()), changed
 
 
 def parse_events(data):
@@ -362,3 +397,17 @@ def parse_events(data):
         events.append((data[begin:begin + channel].decode("ascii", "replace"), data[begin + channel:end]))
         place = end
     return events, data[place:]
+
+
+def last_event(data, channel):
+    """(channel, bytes) of the last whole event of a channel; None where there is none."""
+    name = channel.encode()
+    place = len(data)
+    while (place := data.rfind(name, 0, place)) >= 0:
+        begin = place - EVENT.size
+        if begin >= 0:
+            sync, _, _, length_of_name, length = EVENT.unpack_from(data, begin)
+            end = place + len(name) + length
+            if sync == SYNC and length_of_name == len(name) and length <= LARGEST_MESSAGE and end <= len(data):
+                return channel, data[place + len(name):end]
+    return None

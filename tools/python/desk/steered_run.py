@@ -15,6 +15,7 @@ from desk.source import Growing
 SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
 END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
 LAST_WORDS = 12
+PROCESSES = ": plant is process "  # in the line by which slewlab run begins: no last word
 BEGIN_LOOK = 0.02  # [s] between two looks whether a run has begun
 REPEAT = 0.1  # [s] after which it is said again where the lever stands: of a desk that stands still the plant lets go
 
@@ -106,7 +107,7 @@ class SteeredRun:
         await self.process.wait()
         self.ended = True
         if self.process.returncode != 0:
-            self.why = "the run ended: " + " · ".join(self.words)
+            self.why = "the run ended: " + " · ".join(words for words in self.words if PROCESSES not in words)
             if self.has_begun:
                 print(f"slewlab desk: {self.why}", file=sys.stderr)
 

@@ -10,13 +10,12 @@ import bisect
 
 import numpy as np
 
+from holes import Holes
+
 FACTOR = 8
 MOST_PER_PIXEL = 16
 CAPACITY = 1 << 18  # [items] of a level: four minutes at 1 kHz in level 0, half an hour in level 1
 LEVELS = 7
-HOLE = 5.0          # times the usual step between two samples, chosen: a longer step is a hole; up to four messages lost in a row are none
-FEWEST_STEPS = 8    # that make one usual
-LOOKED_BACK = 64    # [samples] of whose steps one is called usual, besides those that come
 MOST_HOLES = 1024   # that are kept of a channel, the newest ones
 
 
@@ -74,12 +73,17 @@ class Channel:
         self.names = list(names)
         self.levels = [Level(len(self.names), capacity, k > 0) for k in range(LEVELS)]
         self.told = np.zeros(len(self.names), bool)  # signals of which there was ever a number
-        self.holes = []  # (time before, time behind) [s], in their order
+        self._holes = Holes(most=MOST_HOLES)
 
     @property
     def last_time(self):
         level = self.levels[0]
         return float(level.time[level.count - 1]) if level.count else -np.inf
+
+    @property
+    def holes(self):
+        """(time before, time behind) [s], in their order."""
+        return self._holes.found
 
     def append(self, time, values):
         """`values` by signal and sample. A time before the newest counts as the newest: rows of a log may swap places."""
@@ -89,20 +93,8 @@ class Channel:
             part = np.asarray(values[:, first:first + step], np.float32)
             if not self.told.all():
                 self.told |= np.isfinite(part).any(1)
-            self._note_holes(piece)
+            self._holes.add(piece)
             self._append(piece, part)
-
-    def _note_holes(self, time):
-        level = self.levels[0]
-        before = level.time[max(0, level.count - LOOKED_BACK):level.count]
-        steps = np.diff(np.concatenate((before, time)))
-        usual = steps[steps > 0]
-        if len(usual) < FEWEST_STEPS:
-            return
-        times = np.concatenate((before[-1:], time))
-        for place in np.flatnonzero(np.diff(times) > HOLE * np.median(usual)):
-            self.holes.append((float(times[place]), float(times[place + 1])))
-        del self.holes[:-MOST_HOLES]
 
     def holes_within(self, first, last):
         """Those that reach into a window."""

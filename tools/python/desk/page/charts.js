@@ -6,6 +6,7 @@ const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
 const TICK_SPACING = 22;  // [px] at least, beside a chart: a fifth of its height, so that two numbers or more stand there
 const DECADES = [3, 1];  // of a spectrum that are shown below and above the decade of its peak; the modes' names stand above it
 const SPECTRUM_AXIS = [0.1, 100];  // [Hz]
+const TOLERANCE = 0.25;  // [px] by which a line may pass beside a value: less than shows
 const MARK_SPACING = 12;  // [px] that the names of two modes need
 
 function colour(name) {
@@ -28,6 +29,60 @@ function shownRange(range, scale) {
 
 // Beside an axis, where there is room for some six signs.
 function tickText(value) { return value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential() : String(value); }
+
+// The path of a line through the lowest and the highest value of every column of pixels, in as few points as show the same: a browser takes
+// as long to stroke a path as it has points and is long. Of a column in which nothing moves one point stands, of a straight stretch its ends
+// (swinging door: no point lies farther than TOLERANCE from the line), and of a column that is gone through the end that is nearer comes
+// first. `drawn()`: {columns, holes, scale} of the line; `isHeld`: a value stands until the next column with one.
+function linePath(drawn, isHeld) {
+  return (plot, number) => {
+    const stroke = new Path2D(), path = {stroke, fill: null, clip: null, band: null, gaps: null, flags: 1}, {columns, holes, scale} = drawn();
+    if (!columns) return path;
+    const {left, top, width, height} = plot.bbox, along = plot.scales.x, across = plot.scales[plot.series[number].scale], times = plot.data[0];
+    const toX = width / (along.max - along.min), toY = height / (across.max - across.min), tolerance = TOLERANCE * devicePixelRatio;
+    const firstX = left + (times[0] - along.min) * toX, step = (times[times.length - 1] - times[0]) * toX / (columns.length / 2 - 1);
+    const zero = top + across.max * toY, near = 1.5 * devicePixelRatio;
+    // The line stands at an anchor and will go on to what is next, at a slope between least and most.
+    let isDown = false, anchorX = 0, anchorY = 0, nextX = 0, nextY = 0, least = -Infinity, most = Infinity, hole = 0;
+    const add = (x, y) => {
+      const slope = (y - anchorY) / (x - anchorX);
+      if (nextX > anchorX && (x <= nextX || slope < least || slope > most)) {
+        stroke.lineTo(nextX, nextY);
+        anchorX = nextX; anchorY = nextY; least = -Infinity; most = Infinity;
+      }
+      if (x <= anchorX) {
+        stroke.lineTo(x, y);
+        anchorY = y; least = -Infinity; most = Infinity;
+      } else {
+        least = Math.max(least, (y - tolerance - anchorY) / (x - anchorX));
+        most = Math.min(most, (y + tolerance - anchorY) / (x - anchorX));
+      }
+      nextX = x; nextY = y;
+    };
+    for (let k = 0, before = 0; 2 * k < columns.length; ++k) {
+      while (hole < holes.length && k >= holes[hole][1]) ++hole;
+      const isMissing = hole < holes.length && k >= holes[hole][0];
+      if (isMissing && isDown) { if (nextX > anchorX) stroke.lineTo(nextX, nextY); isDown = false; }
+      if (columns[2 * k] !== columns[2 * k]) continue;
+      const x = firstX + k * step;
+      let low = zero - columns[2 * k] * scale * toY, high = zero - columns[2 * k + 1] * scale * toY;
+      if (Math.abs(high - low) <= 2 * tolerance) low = high = (low + high) / 2;
+      if (!isDown) {
+        stroke.moveTo(x, low);
+        isDown = true; anchorX = nextX = x; anchorY = nextY = low; least = -Infinity; most = Infinity;
+      } else {
+        const isNear = x - nextX < near;
+        if (isHeld && !isNear) add(x, before);
+        else if (Math.abs(before - high) < Math.abs(before - low)) [low, high] = [high, low];
+        add(x, low);
+      }
+      if (high !== low) add(x, high);
+      before = high;
+    }
+    if (isDown && nextX > anchorX) stroke.lineTo(nextX, nextY);
+    return path;
+  };
+}
 
 class Chart {
   // `lines`: what is drawn, [{key, signal, source, label, scale, colour, held, dash, band}].
@@ -67,6 +122,10 @@ class Chart {
     this.element.append(heading, this.legend, this.place);
     parent.append(this.element);
     this.cursor = null;
+    // What is out of sight is drawn when it comes into it.
+    this.isSeen = false;
+    this.observer = new IntersectionObserver((changes) => { this.isSeen = changes.at(-1).isIntersecting; if (this.isSeen) this.drawLatest(); }, {rootMargin: `${CHART_HEIGHT}px`});
+    this.observer.observe(this.element);
     this.begin();
   }
 
@@ -78,9 +137,10 @@ class Chart {
       scales: {x: this.description.isSpectrum ? {distr: 3, range: SPECTRUM_AXIS} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : `${+tick.toPrecision(9)} ${unitAlong}`)},
              {...axis, size: 58, ...(this.description.isSpectrum ? {} : {space: TICK_SPACING}), values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
-      series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: this.description.isSpectrum, points: {show: false},
-                                                 // The step behind a hole is none of the signal's.
-                                                 ...(line.held ? {paths: uPlot.paths.stepped({align: 1}), gaps: (plot, i, from, to, gaps) => gaps.map(([begin, end]) => [begin, end + 2 * devicePixelRatio])} : {})}))],
+      series: [{}, ...this.lines.map((line, i) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: this.description.isSpectrum, points: {show: false},
+                                                 ...(this.description.isSpectrum ? {} : !line.band && !this.lines[i + 1]?.band ? {paths: linePath(() => this.drawn[i], line.held)}
+                                                 // Between two lines is filled what uPlot's own paths bound. The step behind a hole is none of the signal's.
+                                                   : line.held ? {paths: uPlot.paths.stepped({align: 1}), gaps: (plot, i, from, to, gaps) => gaps.map(([begin, end]) => [begin, end + 2 * devicePixelRatio])} : {})}))],
       bands: this.lines.flatMap((line, i) => line.band ? [{series: [i, i + 1], fill: () => colour("band") + "22"}] : []),
       hooks: {draw: [(plot) => this.drawMarks(plot)], setSelect: [(plot) => this.selected(plot)],
               ready: [(plot) => {
@@ -88,6 +148,7 @@ class Chart {
                 plot.over.addEventListener("dblclick", () => this.hooks.unzoom?.());
               }]},
     };
+    this.drawn = this.lines.map((line) => ({columns: null, holes: [], scale: line.scale}));
     this.plot = new uPlot(options, [[], ...this.lines.map(() => [])], this.place);
   }
 
@@ -149,20 +210,31 @@ class Chart {
   // `found`: {key: {columns: Float32Array of (lowest, highest) by column, value: at `at`, holes: [[begin, end] columns]}}. `over`: the
   // sources that end before `at`. To uPlot undefined is a column without a sample, which a line crosses, and null one without messages.
   draw(times, found, from, to, at, over) {
-    const data = [times];
     this.lines.forEach((line, i) => {
-      const {columns, value, holes} = found[line.key] ?? {}, values = new Array(times.length).fill(undefined);
-      if (columns) for (let k = 0; k < values.length; ++k) if (columns[k] === columns[k]) values[k] = columns[k] * line.scale;
-      for (const [begin, end] of holes ?? []) for (let k = 2 * begin; k < 2 * end; ++k) values[k] ??= null;
+      const {columns = null, value, holes = []} = found[line.key] ?? {};
       this.values[i].textContent = shownRange(over.has(line.key.split(":")[0]) ? null : value, line.scale);
-      data.push(values);
+      this.drawn[i] = {columns, holes, scale: line.scale};
     });
     this.cursor = at;
+    this.latest = {times, from, to};
+    if (this.isSeen) this.drawLatest();
+  }
+
+  drawLatest() {
+    if (!this.latest) return;
+    const {times, from, to} = this.latest, data = [times];
+    this.latest = null;
+    for (const {columns, holes, scale} of this.drawn) {
+      const values = new Array(times.length).fill(undefined);
+      if (columns) for (let k = 0; k < values.length; ++k) if (columns[k] === columns[k]) values[k] = columns[k] * scale;
+      for (const [begin, end] of holes) for (let k = 2 * begin; k < 2 * end; ++k) values[k] ??= null;
+      data.push(values);
+    }
     this.plot.batch(() => {
       this.plot.setData(data, false);
       this.plot.setScale("x", {min: from, max: to});
     });
   }
 
-  remove() { this.plot.destroy(); this.element.remove(); }
+  remove() { this.observer.disconnect(); this.plot.destroy(); this.element.remove(); }
 }

@@ -43,6 +43,7 @@ class Desk {
     by("exaggeration").addEventListener("change", () => this.ask());
     by("viewpoint").addEventListener("change", () => this.ask());
     addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); requestAnimationFrame(() => this.ask()); });  // uPlot is as wide a moment later
+    addEventListener("beforeprint", () => { for (const chart of this.charts) chart.drawLatest(); });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ask());
     setInterval(() => this.listen(), 500);
     this.connect();
@@ -115,7 +116,7 @@ class Desk {
     by("play").hidden = by("rate").parentElement.hidden = layout.live;
     if (!before && layout.steered && !layout.may_steer) this.notice("This page only watches: it was opened without the token to steer that the desk printed.");
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
-    const ended = sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
+    const ended = layout.steered ? [] : sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
       .map((source) => `${source.name}: ${source.facts.end === "under way" ? "this run was broken off" : source.facts.end}`);
     const ofLogs = [...ended, ...remarks].join(" · ");
     if (ofLogs || this.ofLogs) this.notice(ofLogs);  // of another run in the same folder no more what was said of the one before
@@ -345,15 +346,17 @@ class Desk {
   }
 
   showState(header) {
-    const {state, ended} = header.sources[0], pose = header.sources[0].pose ?? {angle: null, deflection: null, rope: null};
+    const {state, ended, trouble} = header.sources[0], pose = header.sources[0].pose ?? {angle: null, deflection: null, rope: null};
     const drives = {running: "good", ready: "good", tripped: "bad", braked: "warn"};
     // What was said last of a run that is over, or says nothing, is no state of today.
     const say = (id, what, kind) => this.badge(id, what && `${id} ${this.isOver ? "last " : ""}${what}`, this.isOver ? "" : kind);
     say("drive", state.drive, drives[state.drive]);
-    say("controller", state.controller, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
-    const trip = by("trip");
-    trip.hidden = !state.trip;
-    trip.textContent = state.trip ? `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.` : "";
+    if (trouble && !this.isOver) say("controller", "silent", "bad");
+    else say("controller", state.controller, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
+    const tripped = state.trip && `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.`;
+    const words = [trouble, tripped].filter(Boolean).join(" "), trip = by("trip");
+    trip.hidden = !words;
+    if (trip.textContent !== words) trip.textContent = words;
     const degrees = 180 / Math.PI, position = this.layout.sources[0].facts.position, rows = [
       ["this log ended at", ended === null ? null : `${ended.toFixed(1)} s`],
       ["request", state.request === null ? null : `${(100 * state.request).toFixed(0)} %${state.emergency_stop ? ", emergency stop" : ""}${state.acknowledge ? ", acknowledge" : ""}`],
