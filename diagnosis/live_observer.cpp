@@ -16,6 +16,12 @@ constexpr double kFirstStretch = 1.0;  // [-] of the characteristic time, chosen
 constexpr double kLongestWait = 5.0;   // [-] of the characteristic time, chosen: for a PLANT_STATUS; some seconds of a crane, which says one each second
 constexpr double kMargin = 4.0;        // [-] half windows of a position's rate that stay behind the newest point told
 
+// What was found, without what is to be done with a log where it was: while a machine runs there is none to be cut.
+std::string found_in(const NotAdmitted& refusal) {
+  const std::string words = refusal.what();
+  return words.substr(0, words.find(';'));
+}
+
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * kNanosecondsPerSecond); }
 
 template <class Message>
@@ -142,7 +148,7 @@ std::optional<LiveGap> LiveObserver::look() {
     record_ = std::move(stretch);
     if (drive_) drive_->go_on_in(record_);
   } catch (const NotAdmitted& reason) {
-    return begin_again(reason.what());
+    return begin_again(found_in(reason));
   }
   if (!observer_) begin();
   std::int64_t known = std::min(newest, run_.torque.back().simulated_time);  // sensors and commands come when they come

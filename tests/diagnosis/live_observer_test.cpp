@@ -112,6 +112,7 @@ TEST(LiveObserver, BeginsAgainBehindAGapAndSaysWhy) {
   const Told told = live(wire_of(log));
   ASSERT_EQ(told.begun_again.size(), 1u);
   EXPECT_NE(told.begun_again[0].find("gap of 0.501 s in ENCODER"), std::string::npos) << told.begun_again[0];
+  EXPECT_EQ(told.begun_again[0].find("slewlab cut"), std::string::npos) << told.begun_again[0];  // of a log alone
   EXPECT_GT(told.gap.time.back(), kDuration - 0.5);
   for (std::size_t n = 1; n < told.gap.time.size(); ++n) ASSERT_GT(told.gap.time[n], told.gap.time[n - 1]);
 }

@@ -456,6 +456,17 @@ class GapTest(unittest.TestCase):
         self.assertAlmostEqual(gap.since, 17.9)
         self.assertEqual(read_nominal(NOMINAL), THESIS)
 
+    def test_an_observer_that_begins_again_learns_anew_what_is_usual(self):
+        for begins_again in (False, True):
+            gap = self.feeding(Said(1))
+            self.tell(gap, 20, 0.5)
+            if begins_again:
+                gap._learn_anew("gap of 0.501 s in ENCODER")
+                self.assertEqual(gap.state()["signals"], [])
+                self.assertIn("learned anew: gap of 0.501 s", gap.state()["remark"])
+            self.tell(gap, 20, 50.0)
+            self.assertEqual(gap.since is None, begins_again)
+
     def test_it_is_said_from_when_on_the_usual_size_is_known(self):
         gap = self.feeding(Said(1))
         self.tell(gap, 3, 0.5)

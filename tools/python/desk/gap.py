@@ -162,10 +162,15 @@ class Gap:
             elif "time" in said:
                 self._take(said)
             elif "begins_again" in said:
-                self.remark = f"the observer began again: {said['begins_again']}"
+                self._learn_anew(said["begins_again"])
         words = (await process.stderr.read()).decode(errors="replace").strip()
         if await process.wait() != 0 and process is self.process:
             self.problem = words or "the observer ended"
+
+    def _learn_anew(self, why):
+        """The load may swing where an observer that begins takes it to hang still: nothing from before says what is usual then."""
+        self.remark = f"the observer began again, and what is usual is learned anew: {why}"
+        self.sizes, self.since = {}, None
 
     def _take(self, said):
         time = np.array(said["time"])
