@@ -413,6 +413,17 @@ std::vector<const Screened*> worth_a_pair(const Problem& problem, const Beside& 
   return best_of_each(std::move(ranked));
 }
 
+// Beside an effect a parameter that stands where the spread of machines of one make ends may be another one's: what the parameter was is handed over.
+std::vector<Point> of_what_is_beyond(const Problem& problem, const std::vector<const Screened*>& best, const Point& single) {
+  std::vector<Point> starts;
+  for (const Screened* screened : best) {
+    const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
+    if (about.name == single.effects[0].name || !says_what_is_beyond(problem.nuisances, about, single.nuisance)) continue;
+    starts.push_back(with_amount(problem.catalogue, single, *screened, 0.0));
+  }
+  return starts;
+}
+
 // Pairs worth refining, each from one point. First a second effect beside the best single one, with the catalogue screened again
 // there: where effects are large, only that is near enough. Then, by the columns at hand, beside two more single ones. Last what two
 // columns do jointly from where nothing is added: a pair that is met both ways begins beside its larger effect. Beside a single effect that does not come down
@@ -463,14 +474,8 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
       take(with_amount(problem.catalogue, single.point, *ranked[k], ranked[k]->amount), single);
     }
   }
-  // Beside an effect a parameter that stands where the spread of machines of one make ends may be another one's: what the parameter was is handed over.
   for (std::size_t leader = 0; leader < leaders; ++leader) {
-    const Point& single = singles[leader].point;
-    for (const Screened* screened : best) {
-      const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
-      if (about.name == single.effects[0].name || !says_what_is_beyond(problem.nuisances, about, single.nuisance)) continue;
-      take(with_amount(problem.catalogue, single, *screened, 0.0), singles[leader]);
-    }
+    for (const Point& start : of_what_is_beyond(problem, best, singles[leader].point)) take(start, singles[leader]);
   }
   const std::size_t most_of_all = starts.size() + static_cast<std::size_t>(settings.joint_pairs);
   for (std::size_t i = 0; i < joint.size() && starts.size() < most_of_all; ++i) take(joint[i].start, base);
@@ -515,9 +520,9 @@ struct LookedBeside {
   double cost = 0.0;
 };
 
-// A fit of one effect that came on only beside a second one has another residual than that in which seconds were looked for. They are looked for
-// again from where it stands now, until the best single effect is one that was looked beside there.
-void look_again(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as,
+// A fit of one effect that came on only beside a second one has another residual than that in which seconds were looked for, and other parameters. They are looked for
+// again from where it stands now, until the best single effect is one that was looked beside there; where it leaves noise alone, by parameters that are beyond their spread, those that say what they stand for.
+void look_again(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best, const std::map<std::string, std::string>& same_as,
                 const SearchSettings& settings, LookedBeside looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
   for (int look = 0; look < kMoreLooks; ++look) {
     const auto is_single = [](const FitResult& one) { return one.point.effects.size() == 1; };
@@ -525,14 +530,17 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
     if (single == fits.end()) return;
     settle(problem, *single, kFreshRounds, reach_of(fits.front()));
     const bool is_looked_beside = has_same_effects(single->point, looked_beside.point) && single->cost > looked_beside.cost - kNearRival;
-    if (is_looked_beside || mean_square(single->difference) <= 1.0) return;
+    if (is_looked_beside) return;
+    std::vector<PairStart> starts;
+    for (const Point& start : of_what_is_beyond(problem, best, single->point)) starts.push_back({start, &*single});
+    const bool is_noise = mean_square(single->difference) <= 1.0;
+    if (is_noise && starts.empty()) return;
     looked_beside = {single->point, single->cost};
     const double first = static_cast<double>(look) / kMoreLooks, third = 1.0 / (3.0 * kMoreLooks);
     const auto part = [&](int k) { return within(tell, {first + k * third, first + (k + 1) * third}); };
-    const Beside beside = look_beside(problem, *single, screening, same_as, part(0));
-    std::vector<PairStart> starts;
+    const Beside beside = is_noise ? Beside{} : look_beside(problem, *single, screening, same_as, part(0));
     for (const Screened* screened : worth_a_pair(problem, beside)) {
-      if (starts.size() == static_cast<std::size_t>(settings.beside_the_best)) break;
+      if (starts.size() >= static_cast<std::size_t>(settings.beside_the_best)) break;
       starts.push_back({with_amount(problem.catalogue, single->point, *screened, screened->amount), &*single});
     }
     take_cheaper(fits, fit_pairs(problem, base, starts, *single, reach_of(*single), settings, part(1), part(2)));
@@ -685,7 +693,7 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
 }
 
 // From the best fit to the others, where it leads: to other effects on its machine, to one effect and to none.
-void meet(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as, const SearchSettings& settings,
+void meet(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best, const std::map<std::string, std::string>& same_as, const SearchSettings& settings,
           const LookedBeside& looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
   const double reach = reach_of(base);
   tell(0.0, "meeting at the best fit");
@@ -700,7 +708,7 @@ void meet(Problem& problem, const FitResult& base, const Screening& screening, c
   tell(0.45, "looking for when effects act");
   find_other_times(problem, fits);
   if (settings.joint_pairs > 0) {
-    look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
+    look_again(problem, base, screening, best, same_as, settings, looked_beside, fits, within(tell, kLookAgain));
     take_apart(problem, screening, fits);
     exchange_one(problem, screening, same_as, fits);
   }
@@ -779,7 +787,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
 
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   const Progress going_back = within(tell, kGoBack);
-  if (!fits.empty() && fits.front().cost < reach_of(base)) meet(problem, base, screening, same_as, settings, looked_beside, fits, going_back);
+  if (!fits.empty() && fits.front().cost < reach_of(base)) meet(problem, base, screening, best, same_as, settings, looked_beside, fits, going_back);
   going_back(0.85, "settling the rivals");
   settle_rivals(problem, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });

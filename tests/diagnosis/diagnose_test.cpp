@@ -1209,27 +1209,45 @@ TEST(Diagnose, TakesWhatEveryMachineDoesForAPartOfThisOne) {
   }
 }
 
-// The log of a crane with half the load again and a boom 0.2 rad lower, against the nominal one.
-TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
+// The only log of a machine with the nominal one's controller.
+Diagnosis diagnose_one_log_of(const sim::CraneParameters& crane) {
   sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  truth.crane.boom.angle -= 0.2;
-  truth.crane.load.mass *= 1.5;
-  truth.crane.house.inertia *= 1.6;
+  truth.crane = crane;
   DiagnosisSettings settings;
   settings.hold_out = true;
   settings.threads = 2;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
-  const Diagnosis found = diagnose(
-      nominal, bench().controller,
-      {make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 9), "other", bench().admission)}, settings);
+  return diagnose(nominal, bench().controller, {make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 9), "other", bench().admission)}, settings);
+}
+
+// Motors and gearboxes of another make, which no effect of the catalogue says.
+TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
+  sim::CraneParameters other = bench().crane;
+  other.drive.motor_inertia *= 1.6;
+  other.drive.gearbox_stiffness *= 0.5;
+  const Diagnosis found = diagnose_one_log_of(other);
   EXPECT_TRUE(found.gap);
   // Rightly no cause: nothing was missing in that crane, so whatever it named would have been wrong.
   EXPECT_TRUE(found.probability_unknown > 0.5 || found.causes.at(0).effects.empty()) << found.verdict;
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
     return remark.find("cannot tell whether this is another crane") != std::string::npos;
   })) << found.verdict;
+}
+
+// A crane with half the load again and a boom 0.1 rad lower than the file says.
+TEST(Diagnose, NamesTheBoomsAngleBesideTheLoad) {
+  constexpr double kLowered = 0.1, kLoad = 1.5;  // [rad], [-]
+  sim::CraneParameters other = bench().crane;
+  other.boom.angle -= kLowered;
+  other.load.mass *= kLoad;
+  const Diagnosis found = diagnose_one_log_of(other);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(found.causes[0].effects.size(), 2u) << found.verdict;
+  std::map<std::string, double> sizes;
+  for (const common::EffectInstance& effect : found.causes[0].point.effects) sizes[effect.name] = effect.values[0];
+  EXPECT_NEAR(sizes["boom_angle"], 1.0 - kLowered / bench().crane.boom.angle, 0.01) << found.verdict;
+  EXPECT_NEAR(sizes["load_mass"], kLoad, 0.02 * kLoad) << found.verdict;
 }
 
 }  // namespace
