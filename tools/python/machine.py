@@ -1,6 +1,7 @@
 """What of a machine's file (docs/axis.md) the import of its records needs: coordinate, ratio, sensors."""
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import input_map
@@ -18,7 +19,7 @@ class Axis:
     top_speed: float = 0.0       # [rad/s or m/s] of the axis; 0: not known
     largest_torque: float = 0.0  # [N m or N] of the motor: what its drive allows, or the rated one where the file sets no limit; 0: not known
     rated_torque: float = 0.0    # [N m or N] of the motor; 0: not known
-    is_rigid: bool = True        # nothing gives between the motor and what it drives
+    described: dict = field(default_factory=dict)  # as run.json has it under `machine`
 
     def units(self):
         """SI units of the log's signals, by message field."""
@@ -26,17 +27,9 @@ class Axis:
         return dict(zip(("shaft_position", "shaft_speed", "motor_torque"), shaft)) | {"slew_angle": "m" if self.is_linear else "rad"}
 
     def facts(self):
-        """What stands beside a log of this axis, in the terms of run.json (tools/commands/run_facts.cpp, machine_facts)."""
-        units = self.units()
-        sensors = [("motor speed", "ENCODER", "shaft_speed"), ("motor position", "ENCODER", "shaft_position")]
-        sensors += [("load position", "SENSORS", "slew_angle")] if self.has_load_encoder else []
+        """What stands beside a log of this axis, in the terms of run.json (tools/commands/run_facts.cpp)."""
         known = {"rated_torque": self.rated_torque, "top_speed": self.top_speed}
-        return {name: value for name, value in known.items() if value} | {"total_ratio": self.gear, "machine": {
-            "kind": "axis", "is_rigid": self.is_rigid, "ratio": self.gear,
-            "position_unit": "m" if self.is_linear else "rad", "speed_unit": "m/s" if self.is_linear else "rad/s",
-            "efforts": [{"name": "motor force" if self.is_shaft_linear else "motor torque", "unit": units["motor_torque"]},
-                        {"name": "force on the axis", "unit": "N"} if self.is_linear else {"name": "torque on the axis", "unit": "N m"}],
-            "sensors": [{"name": name, "unit": units[field], "channel": channel, "field": field} for name, channel, field in sensors]}}
+        return {name: value for name, value in known.items() if value} | {"total_ratio": self.gear, "machine": self.described}
 
 
 def read_axis(path):
@@ -56,4 +49,4 @@ def read_axis(path):
     if root.has("drive_protection"):
         largest = root.map("drive_protection", "").number("torque_limit", "force" if machine.is_shaft_linear else "torque", None)
     return Axis(machine.is_linear, machine.is_shaft_linear, machine.total_ratio, machine.has_load_encoder, machine.top_speed,
-                largest or machine.rated_torque, machine.rated_torque, not root.has("transmission"))
+                largest or machine.rated_torque, machine.rated_torque, json.loads(machine.facts))

@@ -1,5 +1,6 @@
 """The package slewlab against the command line, against itself and against closed forms."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -130,6 +131,29 @@ class RunTest(unittest.TestCase):
             run["ENCODR"]
         with self.assertRaisesRegex(KeyError, "no channel SENSOR, expected 'SENSORS'"):
             slewlab.Scenario(SLEW, {"duration": 1}).run(channels=["SENSOR"])
+
+    def test_a_linear_motor_has_metres_and_newtons_in_a_run_in_its_log_and_in_figures(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "axis.yaml").write_text("""kind: axis
+description: made up
+coordinate: {value: linear, source: test}
+mass: {value: 95, unit: kg, source: test}
+rated_force: {value: 600, unit: N, source: test}
+top_speed: {value: 0.3, unit: m/s, source: test}
+""")
+        scenario = folder / "scenario.yaml"
+        scenario.write_text(f"include: {slewlab.config('scenarios/example_axis.yaml')}\naxis: axis.yaml\n")
+        run = slewlab.Scenario(scenario, {"duration": 1}).run(lambda *_: [10.0])
+        run.scenario.run(lambda *_: [10.0], log=folder / "run.lcmlog")
+        (folder / "run.json").write_text(json.dumps({"machine": run.scenario.machine.facts()}))  # as slewlab run has it beside its log
+        for one in (run, slewlab.open_log(folder)):
+            self.assertEqual([one["ENCODER"].attrs["units"][name] for name in ("shaft_position_1", "shaft_speed_1")], ["m", "m/s"])
+            self.assertEqual(one["TORQUE"].attrs["units"]["motor_torque_1"], "N")
+        for figure in (slewlab.overview(run), slewlab.report_figures(run)["picture"]):
+            titles = " ".join(axis.title.text or "" for axis in figure.select_yaxes())
+            self.assertIn("[m/s]", titles)
+            self.assertIn("[N]", titles)
+            self.assertNotIn("N m]", titles)
 
     def test_a_file_that_is_no_log_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:

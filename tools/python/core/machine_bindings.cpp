@@ -18,6 +18,7 @@
 #include "sim/machine/machine_file.h"
 #include "sim/model/drive_line.h"
 #include "tools/commands/check_command.h"
+#include "tools/commands/run_facts.h"
 #include "tools/commands/version.h"
 #include "tools/python/core/bindings.h"
 
@@ -157,6 +158,7 @@ void bind_machine(nb::module_& m) {
       .def_prop_ro("total_ratio", [](const Machine& machine) { return sim::total_ratio(machine.machine.parameters.drive); })
       .def_prop_ro("rated_torque", [](const Machine& machine) { return machine.machine.parameters.drive.rated_torque; })
       .def_prop_ro("top_speed", [](const Machine& machine) { return machine.machine.parameters.drive.top_speed; })
+      .def_prop_ro("facts", [](const Machine& machine) { return machine_facts(machine.machine).dump(); })
       .def("modes",
            [](const Machine& machine, bool closed, std::optional<int> elements) {
              return sim::crane_modes(meshed(machine, elements), gears_of(closed));

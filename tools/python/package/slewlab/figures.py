@@ -1,30 +1,26 @@
 """Runs and logs as plotly figures, to be shown, changed, or written by figure.write_html()."""
 
-import functools
-import importlib
-import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
-from .files import home
+from .installed import installed_module
 from .scenario import Run
 from .tables import Channels, Log, row_type
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-# Title, unit on the axis, channel, fields, factor to that unit.
+# Title, channel, fields, factor, and the unit on the axis: of a factor other than 1 the one that it leads to, of which {} is the machine's own.
 PANELS = (
-    ("shaft speed", "rad/s", "ENCODER", ("shaft_speed",), 1.0),
-    ("motor torque", "N m", "TORQUE", ("motor_torque",), 1.0),
-    ("gearbox torque", "MN m", "TRUTH", ("gearbox_torque",), 1e-6),
-    ("tip acceleration", "m/s^2", "SENSORS", ("tip_acceleration",), 1.0),
-    ("load angles", "deg", "TRUTH", ("rope_angle", "rod_angle"), 180.0 / np.pi),
+    ("shaft speed", "ENCODER", ("shaft_speed",), 1.0, "{}"),
+    ("motor torque", "TORQUE", ("motor_torque",), 1.0, "{}"),
+    ("gearbox torque", "TRUTH", ("gearbox_torque",), 1e-6, "M{}"),
+    ("tip acceleration", "SENSORS", ("tip_acceleration",), 1.0, "{}"),
+    ("load angles", "TRUTH", ("rope_angle", "rod_angle"), 180.0 / np.pi, "deg"),
 )
 COLOURS = ("#1f5fa8", "#d2691e", "#2e8b57", "#8a2be2", "#708090", "#b22222", "#008b8b", "#c71585")
 
@@ -35,23 +31,25 @@ def overview(*runs: Channels, names: list[str] | None = None, most_points: int =
     _refuse_no_runs(runs, names)
     from plotly.subplots import make_subplots
 
-    panels = [panel for panel in PANELS if any(panel[2] in run for run in runs)]
+    panels = [panel for panel in PANELS if any(panel[1] in run for run in runs)]
     if not panels:
-        raise ValueError(f"found nothing to draw, expected one of the channels {', '.join(dict.fromkeys(panel[2] for panel in PANELS))} in a run")
+        raise ValueError(f"found nothing to draw, expected one of the channels {', '.join(dict.fromkeys(panel[1] for panel in PANELS))} in a run")
     names = names or [f"run {number + 1}" for number in range(len(runs))]
     figure = make_subplots(rows=len(panels), cols=len(runs), shared_xaxes=True, shared_yaxes="rows", vertical_spacing=0.03,
                            column_titles=names if len(runs) > 1 else None)
-    for row, (title, unit, channel, fields, factor) in enumerate(panels, 1):
-        figure.update_yaxes(title_text=f"{title} [{unit.replace('^2', '²')}]", row=row, col=1)
+    for row, (title, channel, fields, factor, spelled) in enumerate(panels, 1):
+        units = set()
         for column, run in enumerate(runs, 1):
             if channel not in run:
                 continue
             table = run[channel]
             series = [name for field in fields for name in table.columns if name == field or name.startswith(field + "_")]
+            units |= {spelled.format(table.attrs["units"][name]) for name in series}
             for number, name in enumerate(series):
                 time, values = thinned(table.index.to_numpy(), table[name].to_numpy() * factor, most_points)
                 figure.add_scatter(x=time, y=values, name=name, line={"color": COLOURS[number % len(COLOURS)], "width": 1},
                                    legendgroup=name, showlegend=column == 1, row=row, col=column)
+        figure.update_yaxes(title_text=f"{title} [{' or '.join(sorted(units)).replace('^2', '²')}]", row=row, col=1)
     figure.update_xaxes(title_text="time [s]", row=len(panels))
     figure.update_layout(height=220 * len(panels), margin={"l": 70, "r": 20, "t": 40, "b": 50}, template="plotly_white")
     return figure
@@ -99,31 +97,13 @@ class _LogOf:
             yield {name: self._channels.messages(name) for name in wanted}
 
 
-@functools.cache
-def _report() -> ModuleType:
-    """The program that draws the report's page, as a module. Its neighbours' names (report, panel, ...) stay free for the user's own."""
-    folder = home() / "tools" / "python"
-    names = [path.stem for path in folder.glob("*.py")]
-    if not names:
-        raise FileNotFoundError(f"{folder}: found no programs that draw, expected those of an installation (docs/install.md)")
-    hidden = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    sys.path.insert(0, str(folder))
-    try:
-        return importlib.import_module("report")
-    finally:
-        sys.path.remove(str(folder))
-        for name in names:
-            sys.modules.pop(name, None)
-        sys.modules.update(hidden)
-
-
 def _facts(run: Channels) -> dict[str, Any]:
-    """What run.json would say of a run in this process, as far as pictures of a crane ask for it."""
+    """What run.json would say of a run in this process, as far as pictures ask for it."""
     if not isinstance(run, Run):
         return {}
     machine = run.scenario.machine
     modes = [{"name": f"{mode.kind} {mode.count}", "frequency": mode.frequency} for mode in machine.modes() if mode.kind != "rigid"]
-    return {"rated_torque": machine.rated_torque, "total_ratio": machine.total_ratio, "top_speed": machine.top_speed,
+    return {"machine": machine.facts(), "rated_torque": machine.rated_torque, "total_ratio": machine.total_ratio, "top_speed": machine.top_speed,
             "modes": [] if machine.kind == "axis" else modes}
 
 
@@ -135,7 +115,7 @@ def report_figures(*runs: Channels, names: list[str] | None = None, panels: Sequ
     this process with its scenario's. Needs plotly.
     """
     _refuse_no_runs(runs, names)
-    report = _report()
+    report = installed_module("report")
     told = []
     for number, run in enumerate(runs):
         log = _LogOf(run, report.run_log.Table)

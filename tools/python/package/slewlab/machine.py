@@ -33,6 +33,10 @@ class Machine:
         """Every value of its file with unit and source."""
         return values(self.path, self.changes)
 
+    def facts(self) -> dict[str, Any]:
+        """Its kind, units of its axis, efforts and sensors, as run.json has them under `machine`."""
+        return json.loads(self._core.facts)
+
     def write(self, path: str | Path) -> Path:
         """Writes a file of this machine: its own one included, its changes over it. ValueError where they cannot be said so."""
         path = Path(path)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import functools
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .control import Margins, StateSpace, bode_table, margins
 from .files import Changes, check, pairs, path_of
+from .installed import installed_module
 from .machine import Machine
 from .program import call, program
 from .tables import Channels, Log, open_log
@@ -42,6 +44,10 @@ class Run(Channels):
     @property
     def channels(self) -> list[str]:
         return list(self._messages)
+
+    @functools.cached_property
+    def units(self) -> dict[str, dict[str, str]]:
+        return installed_module("signals").units_of({"machine": self.scenario.machine.facts()})
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)

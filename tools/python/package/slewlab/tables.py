@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core, _log
+from .installed import installed_module
 
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
     import pandas as pd
@@ -39,11 +40,10 @@ def row_type(layout: dict[str, Any]) -> np.dtype:
     return np.dtype(described)
 
 
-def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
-    """`head`: with sequence number, configuration and run as columns."""
+def frame(channel: str, messages: np.ndarray, units_of: dict[str, str], head: bool = False) -> pd.DataFrame:
+    """`units_of`: of the channel's fields. `head`: with sequence number, configuration and run as columns."""
     import pandas as pd
 
-    units_of = _log.signals()[channel]
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
     for name in messages.dtype.names or ():
@@ -72,6 +72,11 @@ class Channels:
     def channels(self) -> list[str]:
         raise NotImplementedError
 
+    @property
+    def units(self) -> dict[str, dict[str, str]]:
+        """{channel: {field: unit}}, of the machine that the messages are of."""
+        raise NotImplementedError
+
     def messages(self, channel: str) -> np.ndarray:
         """The channel's messages as one structured array, a field per message field."""
         raise NotImplementedError
@@ -83,7 +88,7 @@ class Channels:
 
     def __getitem__(self, channel: str) -> pd.DataFrame:
         if channel not in self._frames:
-            self._frames[channel] = frame(channel, self.messages(channel))
+            self._frames[channel] = frame(channel, self.messages(channel), self.units[channel])
         return self._frames[channel]
 
     def __contains__(self, channel: str) -> bool:
@@ -111,6 +116,14 @@ class Log(Channels):
     @property
     def channels(self) -> list[str]:
         return self._tables.channels
+
+    @functools.cached_property
+    def units(self) -> dict[str, dict[str, str]]:
+        """With what stands beside the log of its machine: run.json of a run, or what `slewlab import` wrote."""
+        numbers = installed_module("run_numbers")
+        if not numbers.facts_path(self.path).is_file():
+            return _log.signals()
+        return installed_module("signals").units_of(numbers.facts_beside(self.path))
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)
