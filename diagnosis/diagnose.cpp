@@ -257,6 +257,12 @@ void weigh_against_gains(const Problem& problem, const Found& found, const std::
       ranking, remarks);
 }
 
+double longest_row(const Records& records) {
+  double row = 0.0;  // [s]
+  for (const Record& record : records) row = std::max(row, record.encoder_period);
+  return row;
+}
+
 // From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
 // know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
@@ -307,6 +313,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   sort_causes(ranking.causes);
   doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   doubt_chance_on_the_wire(problem.catalogue, may_hide_commands(problem.records, controller), ranking, diagnosis.remarks);
+  if (problem.commands_per_row > 1) doubt_what_held_rows_do(problem.catalogue, longest_row(problem.records), ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);
   if (controller && !diagnosis.has_controller) {
     leave_room_for_the_controller(of_the_controller.effects.size(), problem.catalogue.effects.size() + of_the_controller.effects.size(), evidence, ranking);

@@ -140,6 +140,23 @@ void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may
   }
 }
 
+void doubt_what_held_rows_do(const common::EffectCatalogue& catalogue, double row, Ranking& ranking, std::vector<std::string>& remarks) {
+  bool is_told = false;
+  for (Cause& cause : ranking.causes) {
+    const auto is_within_a_row = [&](const common::EffectInstance& effect) { return is_steady_delay(catalogue.at(effect.name)) && effect.values[common::kSize] < row; };
+    const auto is_such = [&](const std::string& name) {
+      return std::any_of(cause.point.effects.begin(), cause.point.effects.end(), [&](const common::EffectInstance& effect) { return effect.name == name && is_within_a_row(effect); });
+    };
+    const auto found = std::find_if(cause.effects.begin(), cause.effects.end(), is_such);
+    if (found == cause.effects.end()) continue;
+    if (!std::exchange(is_told, true)) {
+      remarks.push_back(fmt::format("{} is not sure: it acts late by less than a row of the record ({:.3g} s), and so do rows that are all of the controller's commands and hold until the next; record every command, or give the controller",
+                                    *found, row));
+    }
+    hand_on(kDoubtful, is_such, false, cause, ranking);
+  }
+}
+
 void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kMostOfIt = 0.7;  // chosen
   bool is_told = false;

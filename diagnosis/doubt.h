@@ -57,6 +57,10 @@ bool is_chance_on_the_wire(const common::EffectCatalogue& catalogue, const std::
 // show the controller's cycle, and nobody gave it. Then none of these effects is sure, and the first of them is told in `remarks`.
 void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may_hide_commands, Ranking& ranking, std::vector<std::string>& remarks);
 
+// Of records that are taken to have commands between their rows, about a smooth course through them (hidden_commands.h), rows that were all of the commands and held until the next look late by half
+// a row. So no steady effect that acts late by less than a row, `row` [s], is sure; the first of them is told in `remarks`.
+void doubt_what_held_rows_do(const common::EffectCatalogue& catalogue, double row, Ranking& ranking, std::vector<std::string>& remarks);
+
 // What only one accelerometer has seen, below `slow` [Hz], more slowly than anything of the machine, an offset of it that wanders does as well: no cause of which `share_of` that is most of what
 // it explains is sure, and the first of them is told in `remarks`.
 void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);

@@ -263,6 +263,22 @@ TEST_F(Doubt, OfTheLead) {
 }
 
 // Commands between the rows of a record are lost to it, as commands are that the wire loses.
+// Of sizes of 1 s: within a row of 2 s, and beyond one of half a second.
+TEST_F(Doubt, OfADelayWithinARowThatMayHoldUntilTheNext) {
+  common::EffectCatalogue late = catalogue();
+  late.effects[0].acts_late = true;
+  for (const double row : {2.0, 0.5}) {
+    ranking = {{cause_of({"a"}, 0.6), cause_of({"a", "b"}, 0.2), cause_of({"b"}, 0.1)}, 0.1};
+    remarks.clear();
+    doubt_what_held_rows_do(late, row, ranking, remarks);
+    const bool is_within = row > 1.0;
+    EXPECT_NEAR(of(0), is_within ? 0.36 : 0.6, 1e-12);  // a doubted cause loses 0.4
+    EXPECT_NEAR(of(1), is_within ? 0.12 : 0.2, 1e-12);
+    EXPECT_EQ(remarks.size(), is_within ? 1u : 0u);
+  }
+  EXPECT_NEAR(of(2), 0.1, 1e-12);
+}
+
 TEST_F(Doubt, OfWhatTheWireLosesByChanceWhereCommandsMayLieBetweenTheRows) {
   common::EffectCatalogue wired = catalogue();
   wired.effects[0].subsystem = common::Subsystem::wire;
