@@ -20,8 +20,8 @@ namespace {
 // What writes effects by their names: a machine's friction as a bearing's, and the laws of an axis' torque balance.
 const std::set<std::string, std::less<>> kWriters{"sim/effects/bearing_friction.h", "sim/effects/balance_effects.cpp"};
 
-// Names of effects that are also keys of machine files, faults or families.
-const std::set<std::string, std::less<>> kOrdinaryWords{"hoisting", "rope_length", "torque_limit", "wind", "droop", "speed_filter"};
+// Names of effects that are also keys of machine files, of run.json or of soaks, faults or families.
+const std::set<std::string, std::less<>> kOrdinaryWords{"boom_angle", "hoisting", "rope_length", "torque_limit", "wind", "droop", "speed_filter"};
 
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;

@@ -245,7 +245,7 @@ class BridgeTest(unittest.TestCase):
             # A linear motor, of one group, whose run begins in the same folder.
             (self.folder / "run.json").write_text(json.dumps({"machine": LINEAR_MOTOR}))
             events = made_run.messages(run_identity=made_run.RUN + 1)
-            for channel, time, message in events:
+            for channel, _time, message in events:
                 if channel in ("ENCODER", "TORQUE"):
                     message.group_count = 1
                 if channel == "ENCODER":
