@@ -305,7 +305,7 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   doubt_what_an_offset_does(
       [&](const Cause& cause) {
         const FitResult* const fit = fit_of(found.fits, cause);
-        return fit == nullptr ? SlowShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
+        return fit == nullptr ? ChannelShare{} : largest_slow_share(problem, searched.base.difference, fit->difference, slow);
       },
       slow, ranking, diagnosis.remarks);
   sort_causes(ranking.causes);

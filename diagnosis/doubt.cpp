@@ -157,12 +157,12 @@ void doubt_what_held_rows_do(const common::EffectCatalogue& catalogue, double ro
   }
 }
 
-void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks) {
+void doubt_what_an_offset_does(const std::function<ChannelShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks) {
   constexpr double kMostOfIt = 0.7;  // chosen
   bool is_told = false;
   for (Cause& cause : ranking.causes) {
     if (cause.effects.empty() || cause.probability == 0.0) continue;
-    const SlowShare seen = share_of(cause);
+    const ChannelShare seen = share_of(cause);
     if (seen.share < kMostOfIt) continue;
     if (!std::exchange(is_told, true)) {
       remarks.push_back(fmt::format("{} is not sure: {:.0f} % of what it explains is in the {} below {:.2g} Hz, and an offset of that sensor that wanders does the same; look at what it reads while the machine stands",

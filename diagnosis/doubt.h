@@ -63,7 +63,7 @@ void doubt_what_held_rows_do(const common::EffectCatalogue& catalogue, double ro
 
 // What only one accelerometer has seen, below `slow` [Hz], more slowly than anything of the machine, an offset of it that wanders does as well: no cause of which `share_of` that is most of what
 // it explains is sure, and the first of them is told in `remarks`.
-void doubt_what_an_offset_does(const std::function<SlowShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);
+void doubt_what_an_offset_does(const std::function<ChannelShare(const Cause&)>& share_of, double slow, Ranking& ranking, std::vector<std::string>& remarks);
 
 // Accelerometers that read by other gains than the machine's file has, in the place of a cause or of all of it but for one effect.
 struct GainsInstead {

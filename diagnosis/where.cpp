@@ -59,12 +59,22 @@ std::vector<BandShare> bands_of_gap(const Problem& problem, const Eigen::VectorX
   return bands;
 }
 
-SlowShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below) {
+std::optional<ChannelShare> channel_of_most(const std::vector<BandShare>& bands) {
+  constexpr double kMost = 2.0 / 3.0;
+  std::map<std::string, double> shares;
+  for (const BandShare& band : bands) shares[band.channel] += band.share;
+  for (const auto& [channel, share] : shares) {
+    if (share >= kMost) return ChannelShare{channel, share};
+  }
+  return {};
+}
+
+ChannelShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below) {
   std::map<std::string, double> taken;
   for_each_bin(problem, [&](const Channel& channel, double frequency, Eigen::Index row) {
     if (!channel.is_torque && frequency < below) taken[name_of(channel)] += difference.segment<2>(row).squaredNorm() - left.segment<2>(row).squaredNorm();
   });
-  SlowShare largest;
+  ChannelShare largest;
   const double all = difference.squaredNorm() - left.squaredNorm();
   if (all <= 0.0) return largest;
   for (const auto& [channel, amount] : taken) {

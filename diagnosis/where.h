@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,14 @@ struct BandShare {
   double mean_square = 0.0;     // residual variance ratio of parameters alone; 1 = noise only
 };
 
-// Of what a fit takes away of the differences, the largest share that one accelerometer has of it below a frequency [Hz].
-struct SlowShare {
+struct ChannelShare {
   std::string channel;
   double share = 0.0;
 };
-SlowShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below);
+// The channel in which twice as much lies as in all others together; nothing where there is none.
+std::optional<ChannelShare> channel_of_most(const std::vector<BandShare>& bands);
+// Of what a fit takes away of the differences, the largest share that one accelerometer has of it below a frequency [Hz].
+ChannelShare largest_slow_share(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, double below);
 
 struct Moment {
   std::string record;

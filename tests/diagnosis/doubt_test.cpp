@@ -302,7 +302,7 @@ TEST_F(Doubt, OfWhatTheWireLosesByChanceWhereCommandsMayLieBetweenTheRows) {
 // A tenth of a hertz of one accelerometer and hardly anything else: the sensor's own offset does it as well. What the torques have seen too is no matter of that sensor.
 TEST_F(Doubt, OfWhatAnOffsetThatWandersDoes) {
   ranking = {{cause_of({"a"}, 0.5), cause_of({"b"}, 0.2), cause_of({}, 0.2)}, 0.1};
-  doubt_what_an_offset_does([](const Cause& cause) { return SlowShare{"tip acceleration", cause.effects.front() == "a" ? 0.97 : 0.3}; }, 0.1, ranking, remarks);
+  doubt_what_an_offset_does([](const Cause& cause) { return ChannelShare{"tip acceleration", cause.effects.front() == "a" ? 0.97 : 0.3}; }, 0.1, ranking, remarks);
   EXPECT_NEAR(of(0), 0.3, 1e-12);  // a doubted cause loses 0.4
   EXPECT_EQ(of(1), 0.2);
   EXPECT_EQ(of(2), 0.2);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <vector>
+
 #include "diagnosis/record.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/simulated_log.h"
@@ -30,7 +33,7 @@ class SlowPart : public testing::Test {
       }
     }
   }
-  SlowShare found() const { return largest_slow_share(problem, difference, left, kSlow); }
+  ChannelShare found() const { return largest_slow_share(problem, difference, left, kSlow); }
 
   BenchProblem problem;
   Eigen::VectorXd difference, left;
@@ -51,6 +54,16 @@ TEST_F(SlowPart, IsNoneOfWhatIsFastOrOfNothing) {
   EXPECT_EQ(found().share, 0.0);
   take([](const Channel& channel, double frequency) { return !channel.is_torque && frequency >= kSlow; });
   EXPECT_EQ(found().share, 0.0);
+}
+
+TEST(ChannelOfMost, HasTwiceAsMuchAsAllOthers) {
+  const std::vector<BandShare> bands{{"torque of group 1", 0.0, 1.0, 0.5, 9.0}, {"torque of group 2", 0.0, 1.0, 0.2, 4.0}, {"torque of group 1", 1.0, 3.0, 0.2, 5.0}, {"tip acceleration", 0.0, 1.0, 0.1, 2.0}};
+  const std::optional<ChannelShare> found = channel_of_most(bands);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->channel, "torque of group 1");
+  EXPECT_NEAR(found->share, 0.7, 1e-12);
+  EXPECT_FALSE(channel_of_most({{"torque of group 1", 0.0, 1.0, 0.6, 9.0}, {"torque of group 2", 0.0, 1.0, 0.4, 9.0}}));
+  EXPECT_FALSE(channel_of_most({}));
 }
 
 }  // namespace

@@ -127,6 +127,17 @@ std::string followed_text(const Diagnosis& diagnosis) {
                      is_one ? "" : ", which these records cannot tell apart", 100 * named->share);
 }
 
+// Of a missing torque that follows nothing.
+std::string where_to_look(const Diagnosis& diagnosis) {
+  const std::optional<diagnosis::ChannelShare> most = diagnosis::channel_of_most(diagnosis.bands);
+  const auto is_torque = [](const std::string& channel) { return channel.starts_with("torque"); };
+  // Of a crane with one motor group nothing tells the motors from what is behind them.
+  const bool has_other_motors = std::any_of(diagnosis.bands.begin(), diagnosis.bands.end(), [&](const diagnosis::BandShare& band) { return is_torque(band.channel) && most && band.channel != most->channel; });
+  if (!most || (is_torque(most->channel) && !has_other_motors)) return "look behind the motors, and at what is faster";
+  return fmt::format("{:.0f} % of the gap is in the {}, look {}", 100 * most->share, most->channel,
+                     is_torque(most->channel) ? "at what those motors alone have: their drive, brake, encoder, gearboxes and pinions" : "at that sensor, and at what moves boom and load");
+}
+
 // What a person acts on, in one sentence.
 std::string answer_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.gap) {
@@ -157,9 +168,8 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
       const diagnosis::UnseenRecord& failed = *std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
       why = fmt::format("{}, {:.0f} % by the records that were fitted, does not predict {} better than the nominal machine and parameters alone do", failed.cause, 100 * *diagnosis.refuted, failed.record);
     }
-    return fmt::format("Outside the catalogue (unknown), {:.0f} %: {}; the missing torque {}.",
-                       100 * diagnosis.probability_unknown, why,
-                       followed.empty() ? "follows neither speed nor angle, time, torque or its rate: look behind the motors, and at what is faster" : followed);
+    return fmt::format("Outside the catalogue (unknown), {:.0f} %: {}; the missing torque {}.", 100 * diagnosis.probability_unknown, why,
+                       followed.empty() ? "follows neither speed nor angle, time, torque or its rate: " + where_to_look(diagnosis) : followed);
   }
   const Cause& first = diagnosis.causes.front();
   std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure ? "Not sure: " : "", told_name(first), 100 * diagnosis.lead_acts);
