@@ -197,18 +197,25 @@ void check_not_exchanged(const Record& record, const std::array<std::vector<doub
   }
 }
 
-// A counter that is set anew: the position's rate changes from one message to the next by more than any motor does.
+// A counter that is set anew: the position's rate changes from one message to the next by more than any motor does. What a row has too much and the next one too little was read at another time
+// than the row says.
 void check_jumps(const Record& record, std::size_t group, const AdmissionSettings& settings) {
   const double cycle = record.encoder_period / settings.time;
   const double most = settings.turn * std::max(kJump, kJumpOfAcceleration * cycle * cycle) + 2.0 * record.encoder_quantum;
+  const auto turned_until = [&](std::size_t n) {
+    const auto cycles = static_cast<double>(record.encoder[n].simulated_time - record.encoder[n - 1].simulated_time) * 1e-9 / record.encoder_period;
+    return (record.encoder[n].shaft_position[group] - record.encoder[n - 1].shaft_position[group]) / cycles;
+  };
   double before = 0.0;
   for (std::size_t n = 1; n < record.encoder.size(); ++n) {
-    const auto cycles = static_cast<double>(record.encoder[n].simulated_time - record.encoder[n - 1].simulated_time) * 1e-9 / record.encoder_period;
-    const double turned = (record.encoder[n].shaft_position[group] - record.encoder[n - 1].shaft_position[group]) / cycles;
+    const double turned = turned_until(n);
     if (n > 1 && std::fabs(turned - before) > most) {
-      throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} at {:.3f} s, after {:.2g} in the cycle before; a counter that was set "
-                                    "anew? Cut the log there, or add what it lost",
-                                    record.name, group + 1, turned, static_cast<double>(record.encoder[n].simulated_time) * 1e-9, before));
+      const double next = n + 1 < record.encoder.size() ? turned_until(n + 1) : turned;
+      const bool is_given_back = std::fabs(next - before) > 0.5 * most && std::fabs(turned + next - 2.0 * before) < most;
+      throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} at {:.3f} s, after {:.2g} in the cycle before; {}", record.name, group + 1, turned,
+                                    static_cast<double>(record.encoder[n].simulated_time) * 1e-9, before,
+                                    is_given_back ? fmt::format("the next cycle has {:.2g}, so this row was read later or earlier than its time says: record when each row was read", next)
+                                                  : "a counter that was set anew? Cut the log there, or add what it lost"));
     }
     before = turned;
   }

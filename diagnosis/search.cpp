@@ -717,13 +717,16 @@ void meet(Problem& problem, const FitResult& base, const Screening& screening, c
   go_back(problem, base.columns, 1, fits);
 }
 
-// Where noise is all that the best of them leaves, causes are weighed by costs that differ by a few units: each that is near settles as far as it can.
+// Where noise is all that the best of them leaves, causes are weighed by costs that differ by a few units: each that is near settles as far as it can. So does each of two effects alone, however far: the
+// other one is there only if the first, at the floor of its valley, leaves more.
 void settle_rivals(Problem& problem, std::vector<FitResult>& fits) {
   const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
   if (best == fits.end() || mean_square(best->difference) > kNoiseAlone) return;
   const double near = best->cost + kRival;
+  const std::vector<common::EffectInstance> both = best->point.effects;
   share_out(problem, fits.size(), [&](std::size_t i) {
-    if (fits[i].cost <= near) settle_to_the_floor(problem, fits[i], kFreshRounds);
+    const bool is_one_of_both = both.size() > 1 && fits[i].point.effects.size() == 1 && has_effect(both, fits[i].point.effects.front().name);
+    if (fits[i].cost <= near || is_one_of_both) settle_to_the_floor(problem, fits[i], kFreshRounds);
   });
 }
 

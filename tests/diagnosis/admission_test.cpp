@@ -434,6 +434,21 @@ TEST_F(Admission, NamesTheUnitOfAPositionThatIsReadSlowly) {
   EXPECT_NE(refusal().find("the position looks like degrees"), std::string::npos) << refusal();
 }
 
+// A row that has a turn too much, which the next one gives back, was read at another time; one that all later rows keep is a counter's.
+TEST_F(Admission, TellsACounterThatIsSetAnewFromARowOfAnotherTime) {
+  constexpr double kTurn = 6.0;  // [rad]
+  constexpr std::size_t kAt = 700;
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const msgs::RunLog sound = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 4, 0.01);
+  log_ = sound;
+  log_.encoder[kAt].shaft_position[0] += kTurn;
+  EXPECT_NE(refusal().find("was read later or earlier than its time says"), std::string::npos) << refusal();
+  log_ = sound;
+  for (std::size_t n = kAt; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] += kTurn;
+  EXPECT_NE(refusal().find("a counter that was set anew?"), std::string::npos) << refusal();
+}
+
 TEST_F(Admission, NamesGroupsWhoseTorquesAreExchanged) {
   for (msgs::Torque& torque : log_.torque) std::swap(torque.motor_torque[0], torque.motor_torque[1]);
   EXPECT_NE(refusal().find("goes with the torque commands of group 2"), std::string::npos) << refusal();
