@@ -68,5 +68,27 @@ TEST(Search, FindsWhichDelayItIs) {
   EXPECT_LT(best.mean_square, 1.0);
 }
 
+// Of two effects that leave noise alone each stands alone at the floor of its valley: nothing of what the second one takes away beside it may be what the first one's fit has left.
+TEST(Search, SettlesEachOfTwoEffectsAlone) {
+  constexpr double kLittle = 0.5;  // in units of -2 ln of a probability
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(15);
+  truth.effects = {{"bearing_viscous", {5e6, 0.0}}, {"torque_offset", {3e4}}};  // [N m s/rad], [-]; [N m]
+  Searching searching(truth);
+  ASSERT_FALSE(searching.found.fits.empty());
+  const std::vector<common::EffectInstance> both = searching.found.fits.front().point.effects;
+  ASSERT_EQ(both.size(), 2U);
+  ASSERT_LE(searching.found.fits.front().mean_square, kNoiseAlone);
+  int alone = 0;
+  for (const FitResult& fit : searching.found.fits) {
+    if (fit.point.effects.size() != 1 || !has_effect(both, fit.point.effects.front().name)) continue;
+    FitResult again = fit;
+    settle_to_the_floor(searching.admitted.problem, again, 10);
+    EXPECT_GT(again.cost, fit.cost - kLittle) << fit.point.effects.front().name;
+    ++alone;
+  }
+  EXPECT_EQ(alone, 2);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
