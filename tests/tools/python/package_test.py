@@ -641,7 +641,9 @@ class InstallTest(unittest.TestCase):
                 extension = next((place / "slewlab").glob(f"{name}*.so")).read_bytes()
                 self.assertNotIn(str(REPOSITORY).encode(), extension)
             code = ("import slewlab; print(slewlab.__version__, slewlab.config('cranes/thesis.yaml')); "
-                    "slewlab.Scenario(slewlab.config('scenarios/thesis_slew.yaml'), {'duration': 1}).run()")
+                    "run = slewlab.Scenario(slewlab.config('scenarios/thesis_slew.yaml'), {'duration': 1}).run(log='run.lcmlog'); "
+                    "open('run.json', 'w').write('{}'); log = slewlab.open_log('run.lcmlog'); "
+                    "assert run['ENCODER'].attrs['units'] == log['ENCODER'].attrs['units']; assert 'units are those of a crane' in log.remarks[-1]")
             ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,
                                    capture_output=True, text=True, check=False, timeout=100)
             self.assertEqual(ended.returncode, 0, ended.stderr)

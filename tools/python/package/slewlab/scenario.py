@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, _log
 from .control import Margins, StateSpace, bode_table, margins
 from .files import Changes, check, pairs, path_of
 from .installed import installed_module
@@ -47,7 +47,8 @@ class Run(Channels):
 
     @functools.cached_property
     def units(self) -> dict[str, dict[str, str]]:
-        return installed_module("signals").units_of({"machine": self.scenario.machine.facts()})
+        machine = self.scenario.machine
+        return installed_module("signals").units_of({"machine": machine.facts()}) if machine.kind == "axis" else _log.signals()
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)

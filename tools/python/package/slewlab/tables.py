@@ -120,10 +120,13 @@ class Log(Channels):
     @functools.cached_property
     def units(self) -> dict[str, dict[str, str]]:
         """With what stands beside the log of its machine: run.json of a run, or what `slewlab import` wrote."""
-        numbers = installed_module("run_numbers")
-        if not numbers.facts_path(self.path).is_file():
+        if not any(self.path.parent.glob("*.json")):
             return _log.signals()
-        return installed_module("signals").units_of(numbers.facts_beside(self.path))
+        try:
+            return installed_module("signals").units_of(installed_module("run_numbers").facts_beside(self.path))
+        except FileNotFoundError as missing:  # the package alone, without the programs that know a machine by what stands beside its log
+            self.remarks.append(f"units are those of a crane, whatever machine the log is of: {missing}")
+            return _log.signals()
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)
