@@ -20,6 +20,7 @@
 #include "diagnosis/judged_grid.h"
 #include "diagnosis/law_in_draws.h"
 #include "diagnosis/model_step.h"
+#include "diagnosis/parameters_alone.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/search_as_built.h"
 #include "diagnosis/stochastic.h"
@@ -457,8 +458,10 @@ Diagnosis diagnose_read_by(const std::vector<AccelerometerGain>& known_gains, in
   const bool is_nothing_left = rank(problem, whitening, controller, of_the_controller, searched, std::move(weighed), gains, settings, evidence, tell, diagnosis);
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   const Cause* const lead = diagnosis.causes.empty() || diagnosis.probability_unknown > diagnosis.causes.front().probability ? nullptr : &diagnosis.causes.front();
-  diagnosis.unseen = judge_unseen(problem, whitening, controller, found.nothing.point, lead, std::move(unseen), diagnosis.remarks);
+  UnseenRecords unseen_records(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis.remarks);
+  diagnosis.unseen = unseen_records.judge(lead);
   give_up_what_is_refuted(diagnosis);
+  if (!diagnosis.refuted && lead != nullptr) lead_by_what_is_unseen(unseen_records, diagnosis.mean_square_parameters, diagnosis.causes, diagnosis.probability_unknown, diagnosis.unseen, diagnosis.remarks);
   add_up(known, diagnosis);
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();

@@ -17,7 +17,6 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters' residual is noise alone and no law was fitted
-constexpr double kDoubtful = 0.4;           // share of its probability that a doubted cause loses: it still leads, and is not sure
 constexpr double kHiding = 1e-3;         // of machines with parameters that are not of their make's, or with something that hides in them; learned
 constexpr double kMostTaken = 0.9;       // of a cause, by that: it may be one of that make all the same
 constexpr double kOtherLawTemper = 5.0;     // chosen: by which the evidence among laws that are another one than the catalogue's counts less
@@ -28,7 +27,7 @@ constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothin
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 
 // Of a cause's probability, that something else hides in its parameters, of which one machine in 1 / `chance` has such: the odds of the two.
-double share_that_hides(double chance) { return std::clamp(kHiding / (kHiding + chance), kDoubtful, kMostTaken); }
+double share_that_hides(double chance) { return std::clamp(kHiding / (kHiding + chance), kDoubtTakes, kMostTaken); }
 
 }  // namespace
 
@@ -60,7 +59,7 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
     const bool is_nothing = cause.effects.empty();
     if (is_nothing && is_nominal_enough) continue;  // with every parameter where the file has it
     // What the draws of a stochastic effect do no law says: they take the parameters along.
-    const double share = stochastic_part(catalogue, cause.point).empty() ? share_that_hides(cause.prior_chance) : kDoubtful;
+    const double share = stochastic_part(catalogue, cause.point).empty() ? share_that_hides(cause.prior_chance) : kDoubtTakes;
     if (is_of_another_make(nuisances, cause)) take_away(share, is_nothing_left && !is_nothing, cause, ranking);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
@@ -85,7 +84,7 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
         else if (!is_undetermined) told = fmt::format("{}: these records do not tell it from {:.3g} {}, where the effect is absent", name, *parameter.absent, common::name_of(parameter.unit));
         remarks.push_back(std::move(told));
       }
-      hand_on(kDoubtful, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, ranking);
+      hand_on(kDoubtTakes, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, ranking);
     }
   }
 }
@@ -100,7 +99,7 @@ void doubt_what_parameters_do_as_well(const common::EffectCatalogue& catalogue, 
       remarks.push_back(fmt::format("{} is not sure: parameters alone leave no more than noise either, farther off than machines of one make differ ({}); check these numbers of the machine's file first", name_of(cause),
                                     in_words(far)));
     }
-    take_away(kDoubtful, false, cause, ranking);
+    take_away(kDoubtTakes, false, cause, ranking);
   }
 }
 
@@ -116,7 +115,7 @@ void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const Ev
       remarks.push_back(fmt::format("{} adds {:.1f} % to the share of the gap explained on the fitted records, beside {}; the residual is as large where a law differs from that of the catalogue, so {} alone may be the cause", name_of(drawn),
                                     100.0 * (cause.explained - alone->explained), name_of(rest), name_of(rest)));
     }
-    hand_on(kDoubtful, is_drawn, false, cause, ranking);
+    hand_on(kDoubtTakes, is_drawn, false, cause, ranking);
   }
 }
 
@@ -136,7 +135,7 @@ void doubt_chance_on_the_wire(const common::EffectCatalogue& catalogue, bool may
       remarks.push_back(fmt::format("{} is not sure: the commands change with every row, so the controller may be faster than the recorder, and commands between the rows do the same; record every command, or give the controller",
                                     *found));
     }
-    hand_on(kDoubtful, is_such, false, cause, ranking);
+    hand_on(kDoubtTakes, is_such, false, cause, ranking);
   }
 }
 
@@ -153,7 +152,7 @@ void doubt_what_held_rows_do(const common::EffectCatalogue& catalogue, double ro
       remarks.push_back(fmt::format("{} is not sure: it acts late by less than a row of the record ({:.3g} s), and so do rows that are all of the controller's commands and hold until the next; record every command, or give the controller",
                                     *found, row));
     }
-    hand_on(kDoubtful, is_such, false, cause, ranking);
+    hand_on(kDoubtTakes, is_such, false, cause, ranking);
   }
 }
 
@@ -168,7 +167,7 @@ void doubt_what_an_offset_does(const std::function<ChannelShare(const Cause&)>& 
       remarks.push_back(fmt::format("{} is not sure: {:.0f} % of what it explains is in the {} below {:.2g} Hz, and an offset of that sensor that wanders does the same; look at what it reads while the machine stands",
                                     name_of(cause), 100.0 * seen.share, seen.channel, slow));
     }
-    take_away(kDoubtful, false, cause, ranking);
+    take_away(kDoubtTakes, false, cause, ranking);
   }
 }
 

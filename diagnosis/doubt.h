@@ -17,6 +17,7 @@
 
 namespace slewlab::diagnosis {
 
+inline constexpr double kDoubtTakes = 0.4;  // share of its probability that a doubted cause loses: it still leads, and is not sure
 inline constexpr double kFarOff = 2.6;  // [standard deviations] of a parameter, beyond which it may be another crane
 
 // Whether with this cause a parameter, or all parameters together, are farther off than machines of one make differ.

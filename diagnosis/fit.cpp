@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "diagnosis/column_directions.h"
-#include "diagnosis/quiet_beginnings.h"
 
 namespace slewlab::diagnosis {
 
@@ -21,15 +20,9 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
-// From far off a fit goes as if it did not know the noise's size and, where its residual then is more than noise, as if it nearly did: contacts make
-// the differences uneven, and one way may end where another does not.
-constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
-constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
-constexpr double kCostOfNoise = 50.0;  // of parameters that leave noise alone, chosen: what they cost is their prior's
 constexpr double kFirstDamping = 1e-3;  // of a descent along a valley, chosen
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
-constexpr double kAtTheBound = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
@@ -445,23 +438,6 @@ void improve_until_idle(Problem& problem, FitResult& result, int rounds, double 
   }
 }
 
-// Nothing is known of the columns: the first steps.
-void forget_columns(const Problem& problem, FitResult& result) {
-  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
-}
-
-// The same, and the cost of where it stands.
-void begin_anew(const Problem& problem, FitResult& result) {
-  forget_columns(problem, result);
-  result.cost = cost_of(problem, result.point, result.difference);
-}
-
-// From where it stands, with the differences there.
-void settle_nuisances(Problem& problem, FitResult& result) {
-  result.cost = cost_of(problem, result.point, result.difference);
-  improve_until_idle(problem, result, problem.settings.rounds, problem.settings.law_freedom);
-}
-
 }  // namespace
 
 FitResult fit_at(Problem& problem, Point point) {
@@ -478,88 +454,12 @@ FitResult nominal_fit(Problem& problem) {
   return fit_at(problem, std::move(nominal));
 }
 
-namespace {
-
-// Parameters alone at the floor of their valley, from where they are and, should that be more than noise, from the nominal machine with its beginnings fitted: nothing where noise is not all that they leave there, for
-// beside an effect their floor is farther from the machine than where they stopped.
-std::optional<FitResult> noise_alone_at_the_floor(Problem& problem, const FitResult& nominal, const FitResult& fitted) {
-  FitResult floor = fitted;
-  const auto settle_there = [&](FitResult& one) {
-    settle_to_the_floor(problem, one, problem.settings.rounds, kCostOfNoise);
-    return mean_square(one.difference) <= 1.0;
-  };
-  if (settle_there(floor)) return floor;
-  std::optional<FitResult> begun = nominal_with_beginnings(problem, nominal);
-  if (begun && settle_there(*begun)) return begun;
-  return {};
+void begin_anew(const Problem& problem, FitResult& result) {
+  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()) + effect_coordinates(problem.catalogue, result.point.effects).size());
+  result.cost = cost_of(problem, result.point, result.difference);
 }
 
-}  // namespace
-
-FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise) {
-  std::optional<FitResult> best_yet;
-  bool has_met = false;  // two ways
-  const auto settle_from = [&](FitResult one) {
-    settle_nuisances(problem, one);
-    has_met = best_yet && std::fabs(one.cost - best_yet->cost) <= problem.settings.settled;
-    if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
-  };
-  // From the nominal machine directly as well: beside an effect that no parameter follows, a way from far parameters ends at a wrong one.
-  const auto try_from_afar = [&](std::optional<double> times) {
-    if (has_met || (best_yet && mean_square(best_yet->difference) <= 1.0)) return;
-    FitResult one = nominal;
-    forget_columns(problem, one);
-    if (times) settle_from_afar(problem, one, *times, problem.settings.rounds);
-    settle_from(std::move(one));
-  };
-  if (ended_otherwise) {
-    FitResult one = fit_at(problem, *ended_otherwise);
-    forget_columns(problem, one);
-    settle_from(std::move(one));
-  }
-  for (const double times : kFromAfar) {
-    if (!best_yet || mean_square(best_yet->difference) < kNearTheNoise) try_from_afar(times);
-  }
-  try_from_afar(std::nullopt);
-  FitResult& best = *best_yet;
-  const auto begin_again = [&](Point start) {
-    FitResult again = fit_at(problem, std::move(start));
-    forget_columns(problem, again);
-    settle_nuisances(problem, again);
-    if (again.cost < best.cost) best = std::move(again);
-  };
-  // Parameters that ended at the bounds of their spread may have gone there on the way and not come back.
-  Point within = best.point;
-  for (std::size_t k = 0; k < problem.nuisances.parameters.size(); ++k) {
-    if (std::fabs(within.nuisance[k]) > kAtTheBound) within.nuisance[k] = 0.0;
-  }
-  if (within.nuisance != best.point.nuisance) begin_again(std::move(within));
-  Point quiet = best.point;
-  if (quieten_beginnings(problem.nuisances, quiet)) begin_again(std::move(quiet));
-  // Parameters that went along with a beginning that was not found yet do not come back from there either, once it is.
-  if (mean_square(best.difference) > 1.0) {
-    std::optional<FitResult> begun = nominal_with_beginnings(problem, best);
-    if (begun && begun->cost < best.cost) {
-      settle_nuisances(problem, *begun);
-      best = std::move(*begun);
-    }
-  }
-  if (std::optional<FitResult> floor = noise_alone_at_the_floor(problem, nominal, best)) best = std::move(*floor);
-  conclude(problem, best);
-  return best;
-}
-
-bool all_begin_unmoved(const Problem& problem) {
-  const std::vector<RecordBegins>& begins = problem.nuisances.begins;
-  return std::all_of(begins.begin(), begins.end(), [](RecordBegins one) { return one == RecordBegins::unmoved; });
-}
-
-std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted) {
-  if (all_begin_unmoved(problem)) return {};
-  Point begun;
-  begun.nuisance = fitted.point.nuisance;
-  std::fill_n(begun.nuisance.begin(), problem.nuisances.common_count(), 0.0);
-  FitResult result = fit_at(problem, std::move(begun));
+void fit_beginnings(Problem& problem, FitResult& result) {
   begin_anew(problem, result);
   const Moves moves = moves_of_beginnings(problem, result.point);
   for (int round = 0; round < problem.settings.rounds; ++round) {
@@ -574,7 +474,6 @@ std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResu
     if (before - result.cost <= problem.settings.settled) break;
   }
   result.mean_square = mean_square(result.difference);
-  return result;
 }
 
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
@@ -629,6 +528,8 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
   result.cost = cost_of(problem, result.point, result.difference);
   result.idle_rounds = 0;
 }
+
+void settle_until_idle(Problem& problem, FitResult& result) { improve_until_idle(problem, result, problem.settings.rounds, problem.settings.law_freedom); }
 
 bool would_come_down(double from, double to, int rounds, double reach) { return to - rounds * (from - to) <= reach; }
 

@@ -12,7 +12,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "common/effect.h"
@@ -72,16 +71,11 @@ FitResult fit_at(Problem& problem, Point point);
 // The nominal machine, before anything is fitted.
 FitResult nominal_fit(Problem& problem);
 
-// Where the hypotheses are compared: with the nuisances alone fitted, concluded. From the nominal machine in several ways, until two of them end at one cost, for others lead there as
-// well; and from where a fit of a machine that is built a little otherwise has ended, if one has.
-FitResult fit_nuisances(Problem& problem, const FitResult& nominal, const std::optional<Point>& ended_otherwise = {});
+// From where it stands with nothing known of its columns, for its cost.
+void begin_anew(const Problem& problem, FitResult& result);
 
-// Whether no record begins on a machine that has moved before.
-bool all_begin_unmoved(const Problem& problem);
-
-// The nominal machine, the parameters where the file has them, with what a record's beginning is like fitted (the load's swing, where motors and boom stand), which is no property of the machine: from where
-// `fitted` has it. Nothing where all begin unmoved.
-std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted);
+// What each record's beginning is like alone (the load's swing, where motors and boom stand), from where it stands: the parameters stay.
+void fit_beginnings(Problem& problem, FitResult& result);
 
 // Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
 // effect stands for (EffectAbout::stands_for) stay nominal.
@@ -132,6 +126,9 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // differences (times so many) it is that of a noise whose size is not known, which leads on. At most so many rounds; the cost is the
 // settings' afterwards.
 void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds);
+
+// Rounds with fresh columns until two in a row were worth little: one may have stood in a narrow valley of two parameters, along which the next goes on.
+void settle_until_idle(Problem& problem, FitResult& result);
 
 // Whether a fit whose last round led from one cost to another would come down to `reach` in so many more at that pace.
 bool would_come_down(double from, double to, int rounds, double reach);

@@ -8,6 +8,7 @@
 
 #include "diagnosis/admit.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 
 namespace slewlab::diagnosis {
 
@@ -73,7 +74,7 @@ std::optional<FitResult> begun_before_impacts(Problem& problem, const sim::Machi
     can_be_judged &= static_cast<double>(judged_points(problem.whitening[r])) >= kLeastBefore * static_cast<double>(problem.records[r].size());
   }
   std::optional<FitResult> begun;
-  if (is_changed && can_be_judged) begun = nominal_with_beginnings(problem, fit_nuisances(problem, nominal_fit(problem)));
+  if (is_changed && can_be_judged) begun = nominal_with_beginnings(problem, fit_parameters_alone(problem, nominal_fit(problem)));
   swap_impacts(problem, impacts);
   problem.whitening = std::move(whitening);
   return begun;

@@ -86,7 +86,7 @@ struct Record {
   bool begins_in_motion = false;  // the crane turns when the record begins
   // The three below the nominal machine tells (admit.h).
   bool begins_bent = false;       // in motion, or where the drives have just pressed the gears: boom and load may swing
-  bool load_may_swing = false;    // at rest, and the load swings on from moves before
+  bool load_may_swing = false;    // at rest, and load and boom may swing on from moves before
   bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   std::vector<bool> impacts_of_cause;  // grid points at which a machine that explains the record has its teeth apart, and the nominal one need not; empty: none
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found

@@ -12,6 +12,7 @@
 #include "diagnosis/admit.h"
 #include "diagnosis/cause.h"
 #include "diagnosis/impacts_of_cause.h"
+#include "diagnosis/parameters_alone.h"
 #include "diagnosis/recurrence.h"
 #include "diagnosis/validate.h"
 #include "sim/effects/catalogue.h"
@@ -112,7 +113,7 @@ Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point
   };
   const auto search_from = [&](const FitResult& nominal) {
     tell(kFitParameters.from, "fitting the parameters alone");
-    FitResult base = fit_nuisances(problem, begin_there(problem, begun, nominal), std::exchange(ended_as_cut, std::nullopt));
+    FitResult base = fit_parameters_alone(problem, begin_there(problem, begun, nominal), std::exchange(ended_as_cut, std::nullopt));
     take_of(false, base);
     if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, 1.0, nominal_machine);
     return search_all(problem, std::move(base), asked, shows, tell);
@@ -191,7 +192,7 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
     if (nominal_machine.mean_square > 1.0 && !all_begin_unmoved(problem)) {
       ask_for_the_beginning();
       if (may_be_cut_finer()) {
-        const FitResult as_cut_alone = fit_nuisances(problem, begin_there(problem, begun, nominal_machine));
+        const FitResult as_cut_alone = fit_parameters_alone(problem, begin_there(problem, begun, nominal_machine));
         take_beginnings(problem, as_cut_alone, kOwnLogBegun, nominal_machine);
         ended_as_cut = as_cut_alone.point;
       }

@@ -2,41 +2,99 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "diagnosis/admit.h"
+#include "diagnosis/doubt.h"
 
 namespace slewlab::diagnosis {
 
-std::vector<UnseenRecord> judge_unseen(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const Point& parameters_of_all,
-                                       const Cause* lead, std::vector<Record> unseen, std::vector<std::string>& remarks) {
-  std::optional<Point> answer;
-  if (lead != nullptr) answer = fitted_part(problem.catalogue, lead->point);
-  const bool is_said_by_parameters = lead != nullptr && lead->validation && lead->validation->is_said_by_parameters;
-  std::vector<UnseenRecord> all;
+namespace {
+
+constexpr double kFarAboveNoise = 4.0;  // residual variance ratio, chosen: what another simulator's laws and mesh leave stays below
+// Of what parameters alone leave there: a share, and times the share that the cause leaves of the fitted records, chosen.
+constexpr double kLargeShare = 0.1, kTimesTheFitted = 10.0;
+constexpr double kNearlyAsMuch = 0.9;   // of what is missing in the fitted records, that a cause explains which may lead in another one's place
+constexpr std::size_t kMostAsked = 4;
+
+double share_left(const Validation& validation) { return validation.cause.residual_ratio / validation.parameters.residual_ratio; }
+
+}  // namespace
+
+UnseenRecords::UnseenRecords(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, Point parameters_of_all, std::vector<Record> unseen,
+                             std::vector<std::string>& remarks)
+    : problem_(problem), controller_(controller), parameters_of_all_(std::move(parameters_of_all)) {
   for (Record& record : unseen) {
     const std::string name = record.name;
     record.effects_from = effects_from({problem.records.data(), problem.records.size()}, record);
-    std::optional<HeldOutData> admitted;
     try {
-      admitted.emplace(problem, whitening, std::move(record), remarks);
+      HeldOutData data(problem, whitening, std::move(record), remarks);
+      HeldOut parameters = data.fit(parameters_of_all_);
+      const ValidationError nominal_error = data.error({}, controller), parameters_error = data.error(parameters, controller);
+      records_.push_back({std::move(data), std::move(parameters), nominal_error, parameters_error});
     } catch (const NotAdmitted& problem_of_it) {
       remarks.push_back(fmt::format("{} could not be predicted: {}", name, problem_of_it.what()));
-      continue;
     }
-    HeldOutData& data = *admitted;
-    const HeldOut parameters = data.fit(parameters_of_all);
-    const HeldOut cause = answer ? data.fit(*answer) : parameters;
-    UnseenRecord judged{parameters.record, answer ? name_of(*lead) : "", {data.error({}, controller), data.error(parameters, controller), {}, {}, false},
-                        data.missing_torque({}), data.missing_torque(parameters), 0.0};
-    judged.validation.cause = answer ? data.error(cause, controller) : judged.validation.parameters;
-    judged.validation.holds = answer && holds(judged.validation, is_said_by_parameters);
-    judged.cause_torque = answer ? data.missing_torque(cause) : judged.parameters_torque;
-    all.push_back(std::move(judged));
-    problem.simulations += data.simulations();
-    problem.simulation_time += data.simulation_time();
   }
+}
+
+std::vector<UnseenRecord> UnseenRecords::judge(const Cause* cause) {
+  std::optional<Point> answer;
+  if (cause != nullptr) answer = fitted_part(problem_.catalogue, cause->point);
+  const bool is_said_by_parameters = cause != nullptr && cause->validation && cause->validation->is_said_by_parameters;
+  std::vector<UnseenRecord> all;
+  std::int64_t simulations = 0, simulation_time = 0;
+  for (One& one : records_) {
+    const HeldOut fitted = answer ? one.data.fit(*answer) : one.parameters;
+    UnseenRecord judged{one.parameters.record, answer ? name_of(*cause) : "", {one.nominal_error, one.parameters_error, one.parameters_error, {}, false, is_said_by_parameters},
+                        one.data.missing_torque({}), one.data.missing_torque(one.parameters), 0.0};
+    if (answer) judged.validation.cause = one.data.error(fitted, controller_);
+    judged.validation.holds = answer && holds(judged.validation, is_said_by_parameters);
+    judged.cause_torque = answer ? one.data.missing_torque(fitted) : judged.parameters_torque;
+    all.push_back(std::move(judged));
+    simulations += one.data.simulations();
+    simulation_time += one.data.simulation_time();
+  }
+  problem_.simulations += simulations - std::exchange(simulations_, simulations);
+  problem_.simulation_time += simulation_time - std::exchange(simulation_time_, simulation_time);
   return all;
+}
+
+bool leads_astray(const Cause& cause, double parameters_mean_square, const UnseenRecord& unseen) {
+  const double of_the_fitted = cause.mean_square / parameters_mean_square;
+  return !unseen.cause.empty() && unseen.validation.cause.residual_ratio > kFarAboveNoise && share_left(unseen.validation) > std::max(kLargeShare, kTimesTheFitted * of_the_fitted);
+}
+
+void lead_by_what_is_unseen(UnseenRecords& records, double parameters_mean_square, std::vector<Cause>& causes, double& probability_unknown, std::vector<UnseenRecord>& judged, std::vector<std::string>& remarks) {
+  if (causes.empty()) return;
+  Cause& lead = causes.front();
+  const auto astray = std::find_if(judged.begin(), judged.end(), [&](const UnseenRecord& one) { return leads_astray(lead, parameters_mean_square, one); });
+  if (astray == judged.end()) return;
+  std::string told = fmt::format("{} leaves {:.2g} times the noise of the fitted records and {:.2g} times that of {}, where the machine goes on otherwise: what it says holds for the fitted ones", name_of(lead), lead.mean_square,
+                                 astray->validation.cause.residual_ratio, astray->record);
+  const double lost = kDoubtTakes * lead.probability;
+  std::size_t asked = 0;
+  for (std::size_t behind = 1; behind < causes.size() && asked < kMostAsked; ++behind) {
+    Cause& other = causes[behind];
+    if (other.effects.empty() || other.explained < kNearlyAsMuch * lead.explained) continue;
+    ++asked;
+    std::vector<UnseenRecord> of_other = records.judge(&other);
+    const bool predicts = !of_other.empty() && std::all_of(of_other.begin(), of_other.end(), [&](const UnseenRecord& one) { return one.validation.holds && !leads_astray(other, parameters_mean_square, one); });
+    if (!predicts) continue;
+    const UnseenRecord& there = of_other[static_cast<std::size_t>(astray - judged.begin())];
+    remarks.push_back(fmt::format("{}. {} leaves {:.2g} and {:.2g} times it: it leads, and neither is sure", told, name_of(other), other.mean_square, there.validation.cause.residual_ratio));
+    other.probability += lead.probability - lost;
+    lead.probability = lost;
+    if (!other.validation) other.validation = there.validation;
+    judged = std::move(of_other);
+    sort_causes(causes);
+    return;
+  }
+  remarks.push_back(told + ", and no other cause predicts both. Judge by more logs");
+  lead.probability -= lost;
+  probability_unknown += lost;
 }
 
 }  // namespace slewlab::diagnosis

@@ -12,6 +12,7 @@
 
 #include "diagnosis/admit.h"
 #include "diagnosis/coordinates.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/simulated_log.h"
 
@@ -48,7 +49,7 @@ TEST(AccelerometerGains, TheGainOfOneThatReadsTooMuchIsFound) {
   for (const bool has_others : {false, true}) {
     Problem problem;
     take(record_of(kGain, has_others), problem);
-    const FitResult alone = fit_nuisances(problem, nominal_fit(problem));
+    const FitResult alone = fit_parameters_alone(problem, nominal_fit(problem));
     const std::optional<GainsFit> found = fit_gains(problem, alone);
     ASSERT_TRUE(found);
     ASSERT_EQ(found->gains.size(), has_others ? 3u : 1u);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "diagnosis/controller_replay.h"
+#include "diagnosis/parameters_alone.h"
 #include "diagnosis/plausibility.h"
 #include "tests/diagnosis/bench.h"
 
@@ -555,7 +556,7 @@ TEST_F(Admission, RefusesNotANumber) {
 double left_by_parameters(const Record& record) {
   BenchProblem problem;
   problem.add(record);
-  return fit_nuisances(problem, nominal_fit(problem)).mean_square;
+  return fit_parameters_alone(problem, nominal_fit(problem)).mean_square;
 }
 
 // What is refused would indeed have been answered wrongly. In the crane of this log nothing is missing. With each of these faults

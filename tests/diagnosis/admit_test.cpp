@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/admitted.h"
 
 namespace slewlab::diagnosis {

@@ -8,6 +8,7 @@
 
 #include "controller/controller_file.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "sim/machine/machine_file.h"
 #include "tests/diagnosis/admitted.h"
 
@@ -93,7 +94,7 @@ TEST(ImpactsOfCause, AreThoseOfALoadThatSwingsWhenTheRecordBegins) {
   EXPECT_GT(before, 1.0) << "its impacts must outweigh the rest for the test to say anything";
   EXPECT_GT(take_out_impacts(problem, admitted, record.whitening, begun->point), 0.0);
   EXPECT_LT(there().mean_square, 0.1 * before);
-  EXPECT_LT(fit_nuisances(problem, there()).mean_square, 0.1);
+  EXPECT_LT(fit_parameters_alone(problem, there()).mean_square, 0.1);
 }
 
 TEST(ImpactsOfCause, OfABeginningThatNothingMovedBeforeAreNotAskedFor) {

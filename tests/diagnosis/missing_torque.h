@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -52,7 +53,7 @@ struct MissingTorque {
       take_off(missing, log);
       problem.add(make_record(log, moves == &kThereAndBack ? "a" : "b", bench().admission));
     }
-    fit = fit_nuisances(problem, nominal_fit(problem));
+    fit = fit_parameters_alone(problem, nominal_fit(problem));
   }
 
   BenchProblem problem;

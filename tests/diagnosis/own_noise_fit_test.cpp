@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "controller/controller_file.h"
+#include "diagnosis/parameters_alone.h"
 #include "sim/machine/machine_file.h"
 #include "tests/diagnosis/admitted.h"
 #include "tests/diagnosis/simulated_log.h"
@@ -20,7 +21,7 @@ constexpr double kPeriod = 5e-3, kLong = 24.0;  // [s]
 
 // The first fit of one effect, by the nominal machine's noise.
 FitResult fitted_alone(Problem& problem, const char* effect) {
-  const FitResult base = fit_nuisances(problem, nominal_fit(problem));
+  const FitResult base = fit_parameters_alone(problem, nominal_fit(problem));
   Point start = base.point;
   start.effects = {common::typical_instance(problem.catalogue.at(effect))};
   FitResult fitted = fit(problem, base.columns, start);

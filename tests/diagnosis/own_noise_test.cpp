@@ -6,6 +6,7 @@
 #include <random>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -100,7 +101,7 @@ TEST(OwnNoise, OfEncodersThatGoesThroughTheControllerSpeaksForNoOtherMachine) {
     truth.crane = bench().crane;
     problem.gains = shadow_gains(bench().machine.scales, not_faster_than(bench().thresholds.shadow, kPeriod));
     problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, seed, kPeriod), "inching", bench().admission));
-    const FitResult base = fit_nuisances(problem, nominal_fit(problem));
+    const FitResult base = fit_parameters_alone(problem, nominal_fit(problem));
     Point start = base.point;
     start.effects = {common::typical_instance(problem.catalogue.at("house_inertia"))};
     FitResult other = fit(problem, base.columns, start);

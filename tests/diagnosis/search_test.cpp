@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/admitted.h"
 #include "tests/diagnosis/simulated_log.h"
 
@@ -24,7 +25,7 @@ struct Searching {
     Problem& problem = admitted.problem;
     problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
     whiten_again(problem, admitted.whitening);
-    base = fit_nuisances(problem, nominal_fit(problem));
+    base = fit_parameters_alone(problem, nominal_fit(problem));
     const std::vector<common::EffectInstance> starts =
         catalogue_starts(problem.catalogue, problem.nominal, all_but(problem.catalogue, kKept), last_moment(problem), problem.thresholds.spell_every);
     const Screening screening = screen(problem, base, projector_of(problem, base), starts, [](double, const std::string&) {});

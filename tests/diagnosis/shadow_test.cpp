@@ -11,6 +11,7 @@
 
 #include "diagnosis/admit.h"
 #include "diagnosis/decimation.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -65,7 +66,7 @@ TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   EXPECT_LT(mean_square(with_mesh.difference), 1.3);  // 1 is noise alone
   EXPECT_NEAR(with_mesh.point.effects[0].values[0], 0.1, 0.005);
   EXPECT_NEAR(with_mesh.point.effects[0].values[1], 1.0, 0.05);
-  EXPECT_GT(mean_square(fit_nuisances(problem, nominal_fit(problem)).difference), 5.0);
+  EXPECT_GT(mean_square(fit_parameters_alone(problem, nominal_fit(problem)).difference), 5.0);
 }
 
 // Encoders that read 13 ms late say 13 ms later where a machine stood when the record began in the midst of a slew; it is followed to the noise, 1, from there on.

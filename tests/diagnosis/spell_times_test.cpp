@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -75,7 +76,7 @@ TEST(SpellTimes, AreFoundFromAnotherValley) {
   truth.crane = bench().crane;
   truth.effects = {hoist(about, 0.6, 5.0, 15.0, 1.0, 0.0)};
   problem.add(make_record(simulated_log(truth, bench().controller, kSlowly, kLongDuration, 7, kPeriod), "a", bench().admission));
-  const FitResult nominal = fit_nuisances(problem, nominal_fit(problem));
+  const FitResult nominal = fit_parameters_alone(problem, nominal_fit(problem));
   const auto nuisances = static_cast<Eigen::Index>(nominal.point.nuisance.size());
   FitResult found = fit(problem, nominal.columns.leftCols(nuisances), {nominal.point.nuisance, {hoist(about, 0.5, 6.3, 13.7, 1.2, 0.3)}, 0});
   settle(problem, found, 10);

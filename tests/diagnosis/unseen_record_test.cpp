@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -21,7 +22,7 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
   BenchProblem problem;
   problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
-  const FitResult parameters = fit_nuisances(problem, nominal_fit(problem));
+  const FitResult parameters = fit_parameters_alone(problem, nominal_fit(problem));
   const msgs::RunLog inching = simulated_log(truth, bench().controller, kInching, kDuration, 35);
   msgs::RunLog foreign = inching;
   for (msgs::Torque& torque : foreign.torque) {
@@ -30,7 +31,7 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   const auto judged = [&](const Cause* lead, const msgs::RunLog& log, std::vector<std::string>& remarks) {
     std::vector<Record> unseen;
     unseen.push_back(make_record(log, "unseen", bench().admission));
-    return judge_unseen(problem, problem.thresholds.whitening, bench().controller, parameters.point, lead, std::move(unseen), remarks);
+    return UnseenRecords(problem, problem.thresholds.whitening, bench().controller, parameters.point, std::move(unseen), remarks).judge(lead);
   };
   std::vector<std::string> remarks;
   Cause lead;
@@ -54,6 +55,70 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   EXPECT_FALSE(is_told());
   EXPECT_TRUE(judged(nullptr, foreign, remarks).empty());
   EXPECT_TRUE(is_told());
+}
+
+// A cause that leaves noise alone of the fitted records, and of others half of what parameters alone leave, says what holds for the fitted ones; not one that leaves a fiftieth there, nor one that leaves as much of those.
+TEST(UnseenRecord, LeadsAstrayWhereItLeavesMuchMoreThanOfTheFittedOnes) {
+  Cause cause;
+  UnseenRecord unseen;
+  unseen.cause = "some";
+  unseen.validation.parameters.residual_ratio = 80.0;
+  const auto leads = [&](double fitted, double there) {
+    cause.mean_square = fitted;
+    unseen.validation.cause.residual_ratio = there;
+    return leads_astray(cause, 180.0, unseen);
+  };
+  EXPECT_TRUE(leads(0.8, 40.0));
+  EXPECT_FALSE(leads(0.8, 1.6));
+  EXPECT_FALSE(leads(90.0, 40.0));
+}
+
+// Dry friction that a fast manoeuvre tells from viscous friction no better than another law may: where both explain nearly as much of it, and a slow one is predicted by dry friction alone, dry friction leads, and is not sure.
+TEST(UnseenRecord, IsLedByTheCauseThatPredictsIt) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"bearing_coulomb", {4e5, 0.0, 3e-5}}};
+  BenchProblem problem;
+  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
+  const FitResult parameters = fit_parameters_alone(problem, nominal_fit(problem));
+  std::vector<Record> unseen;
+  unseen.push_back(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "unseen", bench().admission));
+  std::vector<std::string> remarks;
+  UnseenRecords records(problem, problem.thresholds.whitening, bench().controller, parameters.point, std::move(unseen), remarks);
+  remarks.clear();
+  Cause viscous, dry;
+  viscous.effects = {"bearing_viscous"};
+  viscous.point.effects = {{"bearing_viscous", {8e6, 0.0}}};
+  viscous.probability = 0.9;
+  viscous.explained = 1.0;
+  viscous.mean_square = 0.8;  // as if its law had one shape more
+  dry.effects = {"bearing_coulomb"};
+  dry.point.effects = truth.effects;
+  dry.explained = 0.98;
+  dry.mean_square = 1.9;
+  std::vector<Cause> causes{viscous, dry};
+  double unknown = 0.1;
+  std::vector<UnseenRecord> judged = records.judge(&causes.front());
+  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  EXPECT_EQ(causes.front().effects, dry.effects);
+  EXPECT_NEAR(causes.front().probability, 0.54, 1e-12);
+  EXPECT_NEAR(causes.back().probability, 0.36, 1e-12);
+  EXPECT_EQ(unknown, 0.1);
+  EXPECT_EQ(judged.front().cause, "bearing_coulomb");
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_NE(remarks.front().find("bearing_viscous leaves"), std::string::npos);
+  // Where no other predicts it, nobody knows.
+  causes = {viscous};
+  judged = records.judge(&causes.front());
+  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  EXPECT_NEAR(causes.front().probability, 0.54, 1e-12);
+  EXPECT_NEAR(unknown, 0.46, 1e-12);
+  // The true one leads as it did.
+  causes = {dry};
+  judged = records.judge(&causes.front());
+  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  EXPECT_EQ(causes.front().probability, 0.0);
+  EXPECT_EQ(remarks.size(), 2U);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/parameters_alone.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -31,7 +32,7 @@ struct Asked {
     truth.effects = effects;
     problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
     problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission));
-    parameters = fit_nuisances(problem, nominal_fit(problem)).point;
+    parameters = fit_parameters_alone(problem, nominal_fit(problem)).point;
     validate();
   }
   Validator validator() { return {problem, problem.thresholds.whitening, controller, parameters, true}; }

@@ -341,8 +341,9 @@ std::string unseen_text(const diagnosis::UnseenRecord& one) {
   if (validation.nominal.closed_loop && validation.parameters.closed_loop && validation.cause.closed_loop) {
     text += line("relative error, closed loop", *validation.nominal.closed_loop, *validation.parameters.closed_loop, *validation.cause.closed_loop, "");
   }
-  if (has_cause) text += validation.holds ? "  the cause predicts it better than the nominal machine and than parameters alone\n"
-                                          : "  the cause does not predict it better than the nominal machine and parameters alone: it is not the answer\n";
+  if (has_cause && !validation.holds) text += "  the cause does not predict it better than the nominal machine and parameters alone: it is not the answer\n";
+  else if (has_cause && validation.is_said_by_parameters) text += "  the cause predicts it better than the nominal machine; parameters alone, farther off than machines of one make differ, say the same\n";
+  else if (has_cause) text += "  the cause predicts it better than the nominal machine and than parameters alone\n";
   return text;
 }
 
