@@ -32,6 +32,7 @@ constexpr double kOffsetShare = 0.2;
 constexpr double kBesideTheMiddle = 0.8;  // of half the play, chosen: within which a motor that stood beside the middle can be found from there
 constexpr double kUnloaded = 0.03, kUnloadedFor = 0.25;  // of the largest torque; of the characteristic time; chosen
 constexpr std::size_t kFirstReadings = 3;  // grid points, chosen: more than one, and too few for drives that were just switched on to move anything
+constexpr double kSwingsOn = 3.0;  // deviations of a load's swing at rest, from which it swings on from moves before; chosen
 constexpr double kKeptAtFirst = 0.4;  // of that time, for which a record's beginning must last before somebody moves the joystick
 // Of the encoders' period, chosen: readings and commands of one cycle are taken to be of one instant; what a fieldbus adds beyond is a delay, and answered as one.
 constexpr double kLatencyOfPeriod = 0.1;
@@ -137,6 +138,19 @@ bool begins_unloaded(const Record& record, double time) {
   return largest_first < kUnloaded * largest;
 }
 
+// Whether some motor pushes in a record's first readings: its drives were on before.
+bool pushes_at_first(const Record& record) {
+  double largest = 0.0, largest_first = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    const std::vector<double>& torque = record.motor_torque[static_cast<std::size_t>(g)];
+    for (std::size_t n = 0; n < torque.size(); ++n) {
+      largest = std::max(largest, std::fabs(torque[n]));
+      if (n < kFirstReadings) largest_first = std::max(largest_first, std::fabs(torque[n]));
+    }
+  }
+  return largest_first >= kUnloaded * largest;
+}
+
 // Of two followers, from a grid point on, the sum over the groups of the mean of the product of what they miss.
 double missing_product(const Shadow& one, const Shadow& other, std::size_t from) {
   double sum = 0.0;
@@ -155,8 +169,13 @@ Shadow missing_beside(Shadow one, const Shadow& other) {
   return one;
 }
 
-// [Nm^2] Mean square, from a grid point on, of what is missing beside the swing of the load at the beginning that best stands for it.
-double missing_beside_swing(const Problem& problem, const Record& record, const Shadow& follower, std::size_t from) {
+// What is missing beside the swing of the load at the beginning that best stands for it.
+struct BesideSwing {
+  double power = 0.0;  // [Nm^2] mean square, from a grid point on
+  double swing = 0.0;  // [rad] how far the load would swing
+};
+
+BesideSwing beside_swing(const Problem& problem, const Record& record, const Shadow& follower, std::size_t from) {
   const double power = missing_product(follower, follower, from), natural = std::sqrt(sim::kGravity / problem.nuisances.rope_length);  // [rad/s]
   Beginning swung, swinging;
   swung.swing = kSwingDeviation;
@@ -170,12 +189,13 @@ double missing_beside_swing(const Problem& problem, const Record& record, const 
     for (std::size_t b = 0; b < 2; ++b) gram(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = missing_product(columns[a], columns[b], from);
   }
   const Eigen::Vector2d amount = -gram.ldlt().solve(along);
-  return amount.allFinite() ? power + along.dot(amount) : power;
+  if (!amount.allFinite()) return {power, 0.0};
+  return {power + along.dot(amount), kSwingDeviation * amount.norm()};
 }
 
 // Mean square of the missing torque from a grid point on. What a load swings from the moves before says nothing of where the gears began, and may be most of it.
 double missing_power(const Problem& problem, const Record& record, const Shadow& follower, std::size_t from = 0) {
-  return record.load_may_swing ? missing_beside_swing(problem, record, follower, from) : missing_product(follower, follower, from);
+  return record.load_may_swing ? beside_swing(problem, record, follower, from).power : missing_product(follower, follower, from);
 }
 
 // How the nominal machine follows a record, and how much of it may be judged.
@@ -207,6 +227,12 @@ Following follow_from_rest(const Problem& problem, const Play& play, Record& rec
   return record.begins_on_flanks ? std::move(other) : std::move(best);
 }
 
+// [rad] How far a load that is taken to hang still swings by what the machine misses that begins at rest.
+double swing_at_rest(const Problem& problem, const Play& play, Record record, const WhiteningSettings& whitening) {
+  const Following following = follow_from_rest(problem, play, record, whitening);
+  return beside_swing(problem, record, following.follower, static_cast<std::size_t>(whitening.after_impact / record.step)).swing;
+}
+
 // Whether every motor stands when the record begins. What has just pressed the gears against each other lets boom and load swing, and the motors with them.
 bool begins_at_rest(const Record& record, const AdmissionSettings& settings) {
   const std::size_t first = std::min<std::size_t>(record.size(), kFirstReadings);
@@ -231,9 +257,10 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
   const std::size_t pressed = found.value_or(0);  // from there on
   const bool is_at_rest = !record.begins_in_motion && begins_at_rest(record, problem.thresholds.admission);
   const bool is_unloaded = is_at_rest && begins_unloaded(record, time);
-  // Drives that are on already, or motors that hold something, may have moved the machine before. No motor tells: where a friction holds the house, boom and load swing on behind it.
-  const bool may_have_moved = is_at_rest && ((is_pressed && pressed == 0) || !is_unloaded);
-  record.load_may_swing = may_have_moved && problem.nuisances.swing_amounts() > 0;
+  // Drives that are on already, or motors that hold something, may have moved the machine before, and no motor tells: behind a house that a friction holds load, rod and boom swing on. Where no motor pushes yet, a large swing of
+  // the load tells.
+  const bool may_have_moved = is_at_rest && ((is_pressed && pressed == 0) || !is_unloaded) && problem.nuisances.swing_amounts() > 0;
+  record.load_may_swing = may_have_moved && (pushes_at_first(record) || swing_at_rest(problem, play, record, whitening) > kSwingsOn * kSwingDeviation);
   if (!is_pressed || (is_unloaded && pressed == 0) || (!record.begins_in_motion && pressed > 0 && came_from_the_middle(problem, play, record, pressed))) {
     return follow_from_rest(problem, play, record, whitening);
   }
