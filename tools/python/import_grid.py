@@ -63,10 +63,10 @@ def fitting_units(mapping, usual):
 
 
 class Grid:
-    """Even times [ns]; `is_of_rows`: one for each row of the data."""
+    """Even times [ns]; `is_of_rows`: one for each row of the data. `absent`: rows that the data's own usual interval leaves room for and that are not there."""
 
-    def __init__(self, first, period, count, is_of_rows):
-        self.first, self.period, self.count, self.is_of_rows = float(first), period, count, is_of_rows
+    def __init__(self, first, period, count, is_of_rows, absent=0):
+        self.first, self.period, self.count, self.is_of_rows, self.absent = float(first), period, count, is_of_rows, absent
 
     def __len__(self):
         return self.count
@@ -86,7 +86,7 @@ def even_grid(mapping, seconds, row):
     first, last = seconds[0], seconds[-1]
     usual = median_of_steps(seconds)
     period = mapping.period or float((last - first) / (count - 1))
-    even, first_miss = True, None
+    even, first_miss, absent = True, None, 0
     for begin, values in seconds.stretches():
         misses = np.abs(values - first - period * np.arange(begin, begin + len(values)))
         even = even and bool((misses <= UNEVEN * period).all())
@@ -122,6 +122,7 @@ def even_grid(mapping, seconds, row):
         longest, behind = 0.0, 0
         for begin, values in seconds.stretches(before=1):
             steps = np.diff(values)
+            absent += int(np.maximum(np.round(steps / usual) - 1.0, 0.0).sum())
             if len(steps) and steps.max() > longest:
                 longest, behind = steps.max(), max(begin - 1, 0) + int(np.argmax(steps))
         if is_hole(longest, usual):
@@ -139,4 +140,4 @@ def even_grid(mapping, seconds, row):
     if period < SHORTEST_PERIOD:
         mapping.time.report("unit", f"rows {period:.6g} s apart", f"rows at least {SHORTEST_PERIOD:g} s apart")
         return None
-    return Grid(first, period, count, even)
+    return Grid(first, period, count, even, absent)

@@ -190,6 +190,9 @@ def convert(mapping, table, row, shelf):
     remarks = []
     if not grid.is_of_rows:
         remarks.append(f"resampled ({mapping.resample}) from {len(seconds)} rows to {len(grid)} at {1 / period:.6g} Hz")
+    if grid.absent:
+        remarks.append(f"{grid.absent} rows are missing in the data and were made up from their neighbours, which a diagnosis takes for measured: "
+                       "with rows: {first: ..., last: ...} a piece without them is cut out")
     signals = {}
     for name, entries in mapping.signals.items():
         signals[name] = []

@@ -37,7 +37,12 @@ class ImportGridTest(ShelfTestCase):
         self.assertIn("20 ms between data row 50 (line 51) and the next where 10 ms is usual", self.lines[0])
         grid = self.grid(times, MAP + "resample: linear\n")
         self.assertFalse(grid.is_of_rows)
-        self.assertEqual((len(grid), grid[-1]), (100, 990_000_000))
+        self.assertEqual((len(grid), grid[-1], grid.absent), (100, 990_000_000, 1))
+
+    def test_rows_that_are_missing_are_counted_and_jitter_is_none(self):
+        jittering = 10.0 * np.arange(100) + 4.0 * (np.arange(100) % 2)
+        self.assertEqual(self.grid(jittering, MAP + "resample: linear\n").absent, 0)
+        self.assertEqual(self.grid(10.0 * np.delete(np.arange(100), [20, 21, 50]), MAP + "resample: linear\n").absent, 3)
 
     def test_times_that_stand_still_are_told_by_their_row(self):
         self.assertIsNone(self.grid(np.array([0.0, 10.0, 20.0, 20.0, 30.0])))
