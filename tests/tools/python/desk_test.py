@@ -1,5 +1,8 @@
 """The desk in a headless Chromium."""
 
+import asyncio
+import contextlib
+import io
 import json
 import os
 import re
@@ -15,7 +18,9 @@ from websockets.sync.client import connect
 
 import made_run
 from browser import PATIENCE, Browser, contrast_of, overlaps
+from desk.access import Joystick
 from desk.source import HELD, parse_events
+from desk.steered_run import SteeredRun, motion_requests, moves_under_a_stop
 from run_log import REPOSITORY, read_run_log, seconds
 
 RATED_TORQUE = 250.0  # [N m] T100 of config/controllers/thesis.yaml
@@ -57,6 +62,69 @@ def origin_is_refused(address, origin):
             return False
     except InvalidStatus as refusal:
         return refusal.response.status_code == 403
+
+
+def steered_to_its_end(scenario, out, duration, wishes):
+    """A SteeredRun as fast as it goes, to its end; `wishes`: (speed request, emergency stop) one after the other, each once the one before
+    was obeyed."""
+    async def run():
+        steered, joystick = SteeredRun(scenario, out, duration), Joystick()
+        await steered.start()
+        await steered.begins()
+        for joystick.request, joystick.stop in wishes:
+            steered.operate(joystick)
+            while not any(move[1:3] == (joystick.request, joystick.stop) for move in steered.source.incoming.moves):
+                steered.source.poll()
+                await asyncio.sleep(0)
+        await steered.command("speed", {"speed": 0})
+        await steered.listening
+        await steered.end()
+        steered.source.file.close()
+        return steered
+
+    return asyncio.run(run())
+
+
+class PartsTest(unittest.TestCase):
+    """Parts of the desk, without a page."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def test_a_run_whose_crane_hoists_luffs_and_travels_is_done_again_to_the_bit(self):
+        scenario = self.folder / "moves.yaml"
+        scenario.write_text(f"include: {REPOSITORY}/config/scenarios/moves_while_slewing.yaml\n"
+                            "operator:\n"
+                            "  - {time: {value: 600, unit: ms, source: test}, hoisting_request: {value: 1, unit: '-', source: test}, speed_request: {value: 1, unit: '-', source: test}}\n"
+                            "  - {time: {value: 1.001, unit: s, source: test}, luffing_request: {value: -1, unit: '-', source: test}}\n"
+                            "  - {time: {value: 2, unit: s, source: test}, emergency_stop: {value: true, source: test}}\n"
+                            "  - {time: {value: 3, unit: s, source: test}, emergency_stop: {value: false, source: test}, travelling_request: {value: 1, unit: '-', source: test}}\n")
+        run = steered_to_its_end(scenario, self.folder / "runs", 5.0, [(0.0, False), (0.5, False)])
+        again = subprocess.run([SLEWLAB, "run", run.folder / "steered.yaml", "--out", self.folder / "again"], stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, timeout=PATIENCE)
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        motion = read_run_log(run.folder / "run.lcmlog").channel("MOTION")
+        self.assertGreater(motion["travelled"][-1], 0.05)
+        self.assertLess(motion["boom_angle"][-1], motion["boom_angle"][0])
+        recorded, repeated = messages(run.folder / "run.lcmlog"), messages(self.folder / "again" / "run.lcmlog")
+        self.assertEqual(len(recorded), len(repeated))
+        self.assertTrue(recorded == repeated, "a message differs")
+
+    def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
+        def entry(time, **requests):
+            return {"time": {"value": time, "unit": "s"}} | {f"{motion}_request": {"value": value, "unit": "-"} for motion, value in requests.items()}
+
+        requests = motion_requests([entry(2, hoisting=1), entry(4, hoisting=0, luffing=-1), entry(6, luffing=0)])
+        for pressed, released, found in ((1, 2, []), (1, 3, ["hoisting"]), (3, 3.5, ["hoisting"]), (4, 5, ["luffing"]), (3, None, ["hoisting", "luffing"]), (6, None, [])):
+            moves = [(0, False), (round(pressed * 1e9), True), *([(round(released * 1e9), False)] if released else [])]
+            self.assertEqual(moves_under_a_stop(requests, moves, 10e9), found, (pressed, released))
+        self.assertEqual(moves_under_a_stop(requests, [(0, False), (10**9, True)], 2e9), [])
+        scenario = REPOSITORY / "config" / "scenarios" / "moves_while_slewing.yaml"
+        with contextlib.redirect_stderr(io.StringIO()) as told:
+            run = steered_to_its_end(scenario, self.folder / "runs", 3.0, [(0.0, False), (0.5, True)])
+        self.assertIn("no scenario does the same: the machine went on hoisting while the emergency stop of the desk was pressed", told.getvalue())
+        self.assertFalse((run.folder / "steered.yaml").exists())
+        self.assertEqual(asyncio.run(run.command("save", {}))["type"], "refused")
 
 
 class DeskTest(unittest.TestCase):

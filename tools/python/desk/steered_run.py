@@ -17,6 +17,8 @@ END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
 LAST_WORDS = 12
 PROCESSES = ": plant is process "  # in the line by which slewlab run begins: no last word
 BEGIN_LOOK = 0.02  # [s] between two looks whether a run has begun
+MOTIONS = ("hoisting", "luffing", "travelling")  # beside slewing: with these the scenario's operator goes on
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # [s] by unit of a scenario's times
 REPEAT = 0.1  # [s] after which it is said again where the lever stands: of a desk that stands still the plant lets go
 
 
@@ -48,6 +50,38 @@ def fault_choices(group_count):
         choices[f"frozen_{group}"] = (f"encoder {group + 1} frozen", of_group("encoder_frozen", group))
         choices[f"dropped_{group}"] = (f"encoder {group + 1} without signal", of_group("encoder_dropped", group))
     return choices
+
+
+def motion_requests(operator):
+    """{motion: [(time [ns], request as the scenario has it)]} of a scenario's operator, whose emergency stop ends each of them
+    (sim/drive/scenario_file.cpp)."""
+    requests, is_stopped = {motion: [] for motion in MOTIONS}, False
+    for move in operator:
+        at = round(move["time"]["value"] * SECONDS[move["time"]["unit"]] * 1e9)
+        is_stopped = move["emergency_stop"]["value"] if "emergency_stop" in move else is_stopped
+        for motion, mine in requests.items():
+            request = move.get(f"{motion}_request")
+            if is_stopped:
+                request = {"value": 0, "unit": "-", "source": "chosen: ended by the scenario's emergency stop"} if mine and is_asked(mine[-1][1]) else None
+            if request is not None:
+                mine.append((at, request))
+    return requests
+
+
+def is_asked(request):
+    return request["value"] != 0
+
+
+def moves_under_a_stop(requests, moves, until):
+    """Names of the motions that are asked for, until a time [ns], while an emergency stop of the desk is pressed. In the run they go on; in
+    a scenario the stop would end them. `moves`: (time [ns], whether the emergency stop is pressed) where that may change."""
+    found = set()
+    for (begin, is_pressed), (end, _) in zip(moves, [*moves[1:], (until, False)]):
+        for motion, mine in requests.items() if is_pressed else ():
+            standing = [request for at, request in mine if at <= begin][-1:]
+            if any(map(is_asked, [*standing, *(request for at, request in mine if begin < at < end)])):
+                found.add(motion)
+    return sorted(found)
 
 
 def write_yaml(path, keys):
@@ -195,17 +229,29 @@ class SteeredRun:
                 raise ValueError("only slewlab's own controller can be told to switch its play compensation")
             self._say(f"play_compensation {'on' if request['on'] else 'off'}")
         elif kind == "save":
-            return {"type": "told", "text": f"written: {self.save()}"}
+            why = self.unrepeatable()
+            return {"type": "refused", "why": why} if why else {"type": "told", "text": f"written: {self.save()}"}
         else:
             raise ValueError(f"'{kind}' is nothing that a run does")
         return None
+
+    def unrepeatable(self):
+        """Why no scenario does what was done up to now; nothing where one does."""
+        requests = motion_requests(read_yaml(self.folder / "scenario.yaml").get("operator") or [])
+        under_a_stop = moves_under_a_stop(requests, [(at, stop) for at, _, stop, _ in self.source.incoming.moves], self.source.store.last * 1e9)
+        return under_a_stop and (f"no scenario does the same: the machine went on {' and '.join(under_a_stop)} while the emergency stop of the desk was "
+                                 "pressed, and a scenario's emergency stop ends that")
 
     def save(self):
         """Writes the scenario that does the same from the start up to now; its path."""
         resolved = read_yaml(self.folder / "scenario.yaml")
         period = self.source.facts["controller_period"]
-        moves = [{"time": chosen(round(time * 1e-9, 9), "s"), "speed_request": chosen(request, "-"), "emergency_stop": chosen(stop),
-                  "acknowledge": chosen(acknowledge)} for time, request, stop, acknowledge in self.source.incoming.moves]
+        moves = {at: {"speed_request": chosen(request, "-"), "emergency_stop": chosen(stop), "acknowledge": chosen(acknowledge)}
+                 for at, request, stop, acknowledge in self.source.incoming.moves}
+        for motion, requests in motion_requests(resolved.get("operator") or []).items():
+            for at, request in requests:
+                moves.setdefault(at, {})[f"{motion}_request"] = request
+        moves = [{"time": chosen(round(at * 1e-9, 9), "s")} | moves[at] for at in sorted(moves)]
         faults = list(resolved.get("faults") or [])
         for fault in self.faults:
             entry = dict(self.choices[fault["name"]][1]) | {"from": chosen(fault["from"], "s")}
@@ -243,4 +289,8 @@ class SteeredRun:
         while self.source.poll():
             pass
         if self.source.incoming.moves:
-            self.save()
+            why = self.unrepeatable()
+            if why:
+                print(f"slewlab desk: {self.folder}: no steered.yaml up to its end: {why}", file=sys.stderr)
+            else:
+                self.save()
