@@ -18,9 +18,11 @@ from websockets.sync.client import connect
 
 import made_run
 from browser import PATIENCE, Browser, contrast_of, overlaps
+from desk import charts
 from desk.access import Joystick
 from desk.source import HELD, parse_events
 from desk.steered_run import SteeredRun, motion_requests, moves_under_a_stop
+from desk.store import Store
 from run_log import REPOSITORY, read_run_log, seconds
 
 RATED_TORQUE = 250.0  # [N m] T100 of config/controllers/thesis.yaml
@@ -110,6 +112,24 @@ class PartsTest(unittest.TestCase):
         self.assertEqual(len(recorded), len(repeated))
         self.assertTrue(recorded == repeated, "a message differs")
 
+    def test_the_tip_of_a_boom_that_luffs_is_bent_against_the_radius_of_the_moment(self):
+        # The house stands at 1.7 rad. The boom, 40 m from a pivot at 3 m, goes down from 1 rad by 0.02 rad/s in stretches of 10 ms, each at the
+        # angle of its middle, and is bent by 30 mm.
+        shape = {"pivot_radius": 3.0, "boom_length": 40.0, "boom_angle": 1.0, "rope_length": 50.0, "rod_length": 1.0}
+        store, time = Store(), np.arange(0, 1000) * 0.01
+        radius = 3.0 + 40.0 * np.cos(1.0 - 0.02 * (time - 0.005))
+        store.append("SENSORS", time, {"slew_angle": np.full(1000, 1.7)})
+        store.append("TRUTH", time, {"tip_displacement": 1.7 * radius + 0.03})
+        store.append("MOTION", time, {"boom_angle": 1.0 - 0.02 * time, "rope_length": 50.0 - time, "travelled": 0.0 * time})
+        facts = {"geometry": shape, "tip_radius": 3.0 + 40.0 * np.cos(1.0), "controller_period": 0.01}
+        for at in (1.0, 5.003, 9.99, 20.0):
+            pose = charts.pose(facts, store, at)
+            self.assertAlmostEqual(pose["deflection"], 0.03, delta=1e-4)  # of a store's single precision
+            self.assertAlmostEqual(pose["motion"]["rope_length"], 50.0 - min(at, 9.99), delta=1e-4)
+        bent = facts | {"tip_radius": facts["tip_radius"] + 1.0}
+        self.assertIsNone(charts.pose(bent, store, 5.0)["deflection"])
+        self.assertIsNone(charts.pose({}, store, 5.0)["deflection"])
+
     def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
         def entry(time, **requests):
             return {"time": {"value": time, "unit": "s"}} | {f"{motion}_request": {"value": value, "unit": "-"} for motion, value in requests.items()}
@@ -189,6 +209,24 @@ class DeskTest(unittest.TestCase):
             # Played ten times as fast from 15 s on, it comes to its end at 20 s and stops there.
             page.value("document.getElementById('rate').value = '20', desk.play(true)")
             page.until("!desk.playing && Math.abs(desk.at - 20) < 0.001")
+
+    def test_a_crane_that_hoists_luffs_and_travels_is_drawn_as_it_stands(self):
+        subprocess.run([SLEWLAB, "run", REPOSITORY / "config" / "scenarios" / "moves_while_slewing.yaml", "--out", self.folder / "a", "--set", "duration=24s"],
+                       stdin=subprocess.DEVNULL, capture_output=True, check=True, timeout=PATIENCE)
+        motion = read_run_log(self.folder / "a" / "run.lcmlog").channel("MOTION")
+        with DeskProcess(self.folder / "a") as desk:
+            page = self.open(desk.address)
+            page.value("const draw = desk.picture.shape; desk.picture.shape = function (...of) { return window.shape = draw.apply(this, of); }, desk.seek(24)")
+            page.until("window.shape && desk.at === 24")
+            page.until("document.getElementById('facts').innerText.includes('travelled\\n')")
+            shown = page.value("document.getElementById('facts').innerText")
+            # 10 deg lower, the tip 7 m farther out at a slew angle of 0.8 rad; the boom itself bends by some centimetres.
+            self.assertLess(abs(float(re.search(r"tip deflection\n(-?\d+) mm", shown).group(1))), 100)
+            self.assertAlmostEqual(float(re.search(r"boom angle\n([\d.]+)°", shown).group(1)), np.degrees(motion["boom_angle"][-1]), delta=0.01)
+            geometry = json.loads((self.folder / "a" / "run.json").read_text())["geometry"]
+            reach = geometry["pivot_radius"] + geometry["boom_length"] * np.cos(motion["boom_angle"][-1])
+            page.until(f"Math.abs(shape.reach - {reach}) < 1e-3")
+            self.assertAlmostEqual(page.value("shape.low"), geometry["boom_length"] * np.sin(motion["boom_angle"][-1]) - motion["rope_length"][-1] - geometry["rod_length"], delta=1e-3)
 
     def test_where_messages_are_missing_no_line_is_drawn_and_it_is_said(self):
         events = [event for event in made_run.messages() if not 5_000_000_000 <= event[1] < 8_000_000_000]

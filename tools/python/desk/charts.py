@@ -186,11 +186,29 @@ def pose(facts, store, time):
     time = min([time, *newest_of(store, angle_signal, "TRUTH.tip_displacement")])
     angle = share * store.at(angle_signal, time, True)
     tip = store.at("TRUTH.tip_displacement", time, True)
-    deflection = tip - facts["tip_radius"] * angle if "tip_radius" in facts else np.nan
+    deflection = tip - tip_radius(facts, store, time) * angle
     gears = [known(store.at(f"TRUTH.gear_deflection.{g}", time, True)) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
     torques = [known(store.at(f"TRUTH.gearbox_torque.{g}", time, True)) for g in range(len(gears))]
     rope, rod = (np.nan if is_axis(facts) else store.at(f"TRUTH.{part}_angle", time, True) for part in ("rope", "rod"))
-    return {"angle": known(angle), "deflection": known(deflection), "rope": known(rope), "rod": known(rod), "gears": gears, "gear_torques": torques}
+    motion = {name: known(store.at(f"MOTION.{name}", time, True)) for name in ("boom_angle", "rope_length", "travelled") if store.has(f"MOTION.{name}")}
+    return {"angle": known(angle), "deflection": known(deflection), "rope": known(rope), "rod": known(rod), "gears": gears, "gear_torques": torques, "motion": motion}
+
+
+def tip_radius(facts, store, time):
+    """[m] in which the tip's displacement counts a turn of the house: of a boom that luffs, that of the moment. NaN where the log does not
+    tell it, as of a boom that is bent in the luffing plane and luffs."""
+    radius, shape = facts.get("tip_radius", np.nan), facts.get("geometry")
+    if not store.has("MOTION.boom_angle"):
+        return radius
+    # The plant's boom angle goes by stretches of a controller period and is that of the middle of each.
+    angles = [store.at("MOTION.boom_angle", time - back, True) for back in (0.5 * facts.get("controller_period", 0.0), 0.0)]
+    angle = next((each for each in angles if np.isfinite(each)), np.nan)
+    if shape is None:
+        return np.nan
+    if abs(angle - shape["boom_angle"]) < 1e-9:
+        return radius
+    is_straight = abs(shape["pivot_radius"] + shape["boom_length"] * np.cos(shape["boom_angle"]) - radius) < 1e-6
+    return shape["pivot_radius"] + shape["boom_length"] * np.cos(angle) if is_straight else np.nan
 
 
 def newest_of(store, *signals):

@@ -22,6 +22,7 @@ USED = {
     "CONTROLLER_STATE": ("mode", "ramped_speed", "average_torque", "offset_torque"),
     "SENSORS": tuple(measured("SENSORS")),
     "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
+    "MOTION": ("boom_angle", "rope_length", "travelled"),
     "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
 }
 SPORADIC = ("OPERATOR", "PLANT_STATUS")  # where none comes, none is missing

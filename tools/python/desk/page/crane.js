@@ -72,8 +72,10 @@ class CranePicture {
   // Points of boom, rope and load in metres: x to the right, y ahead, z up. The boom points ahead at angle 0 and turns to the
   // right where the angle rises, as the lever goes.
   shape(crane, factor) {
-    const geometry = crane.facts.geometry, pose = crane.pose, angle = pose.angle ?? 0;
-    if (!geometry) return {reach: 1, boom: [[0, 0, 0], [Math.sin(angle), Math.cos(angle), 0]], load: [], angle};
+    const pose = crane.pose, angle = pose.angle ?? 0;
+    if (!crane.facts.geometry) return {reach: 1, boom: [[0, 0, 0], [Math.sin(angle), Math.cos(angle), 0]], load: [], angle};
+    const geometry = {...crane.facts.geometry};  // of the file; a crane that luffs or hoists says where it stands
+    for (const name of ["boom_angle", "rope_length"]) geometry[name] = pose.motion?.[name] ?? geometry[name];
     const level = geometry.boom_length * Math.cos(geometry.boom_angle), up = geometry.boom_length * Math.sin(geometry.boom_angle);
     const place = (radius, lateral, height) => [radius * Math.sin(angle) + lateral * Math.cos(angle), radius * Math.cos(angle) - lateral * Math.sin(angle), height];
     const deflection = (pose.deflection ?? 0) * factor, boom = [];

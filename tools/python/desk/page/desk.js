@@ -357,11 +357,14 @@ class Desk {
     const words = [trouble, tripped].filter(Boolean).join(" "), trip = by("trip");
     trip.hidden = !words;
     if (trip.textContent !== words) trip.textContent = words;
-    const degrees = 180 / Math.PI, position = this.layout.sources[0].facts.position, rows = [
+    const motion = pose.motion ?? {}, degrees = 180 / Math.PI, position = this.layout.sources[0].facts.position, rows = [
       ["this log ended at", ended === null ? null : `${ended.toFixed(1)} s`],
       ["request", state.request === null ? null : `${(100 * state.request).toFixed(0)} %${state.emergency_stop ? ", emergency stop" : ""}${state.acknowledge ? ", acknowledge" : ""}`],
       [position.title, pose.angle === null ? null : `${(pose.angle * position.scale).toFixed(position.unit === "°" ? 2 : 4)} ${position.unit}`.replace(" °", "°")],
       ["tip deflection", pose.deflection === null ? null : `${(pose.deflection * 1000).toFixed(0)} mm`],
+      ["boom angle", motion.boom_angle == null ? null : `${(motion.boom_angle * degrees).toFixed(2)}°`],
+      ["rope", motion.rope_length == null ? null : `${motion.rope_length.toFixed(2)} m`],
+      ["travelled", motion.travelled == null ? null : `${motion.travelled.toFixed(2)} m`],
       ["sidelead", pose.rope === null ? null : `${(pose.rope * degrees).toFixed(2)}°`],
       ["stale commands", state.stale], ["missed deadlines", state.missed]];
     const list = by("facts");
