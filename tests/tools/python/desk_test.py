@@ -10,6 +10,7 @@ import signal
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,16 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import made_run
+from desk_store_test import THESIS, Said
 from browser import PATIENCE, Browser, contrast_of, overlaps
 from desk import charts
 from desk.access import Joystick
+from desk.diagnosis import Minute
+from desk.gap import Gap
 from desk.source import HELD, parse_events
 from desk.steered_run import SteeredRun, motion_requests, moves_under_a_stop
 from desk.store import Store
-from run_log import REPOSITORY, read_run_log, seconds
+from run_log import REPOSITORY, message_types, read_run_log, seconds
 
 RATED_TORQUE = 250.0  # [N m] T100 of config/controllers/thesis.yaml
 SLEWLAB = Path(os.environ["SLEWLAB_PYTHON_MESSAGES"]).parent / "bin" / "slewlab"
@@ -129,6 +133,44 @@ class PartsTest(unittest.TestCase):
         bent = facts | {"tip_radius": facts["tip_radius"] + 1.0}
         self.assertIsNone(charts.pose(bent, store, 5.0)["deflection"])
         self.assertIsNone(charts.pose({}, store, 5.0)["deflection"])
+
+    def test_a_machine_that_moves_otherwise_than_by_slewing_is_not_compared(self):
+        def motion_of(run_identity, time, **fields):
+            message = message_types().motion_t()
+            message.run_identity, message.simulated_time = run_identity, round(time * 1e9)
+            for field, value in ({"rope_length": 60.0, "boom_angle": 0.9, "travelled": 0.0} | fields).items():
+                setattr(message, field, value)
+            return "MOTION", message.encode()
+
+        def said(begin):  # a size that jumps
+            return {"time": [begin + 0.1 * k for k in range(10)], "missing_torque": [[0.5 if begin < 30 else 90.0] * 10], "acceleration_difference": {}}
+
+        shape = {"boom_angle": 0.9, "rope_length": 60.0}
+        for facts, fields, does in (({"geometry": shape}, {"boom_angle": 0.89}, "luffs"), ({}, {"rope_length": 59.0, "travelled": 0.01}, "hoists and travels"),
+                                    ({}, {}, None)):
+            source = Said(1, facts)
+            gap = Gap(source, THESIS, Minute())
+            gap.process, gap.block = unittest.mock.Mock(), 1.0
+            gap.process.stdin.is_closing.return_value = False
+            gap.process.stdin.transport.get_write_buffer_size.return_value = 0
+            source.incoming.taps.append(gap.feed)
+            source.waiting += [motion_of(1, 0.0), motion_of(1, 20.0)]
+            source.poll()
+            for begin in range(30):
+                gap._take(said(begin))
+            self.assertEqual((gap.state()["problem"], gap.state()["since"]), ("", None))
+            source.waiting = [motion_of(1, 31.0, **fields)]
+            source.poll()
+            for begin in range(30, 40):
+                gap._take(said(begin))
+            state = gap.state()
+            with self.subTest(does=does):
+                if does is None:
+                    self.assertEqual((state["problem"], [each["open"] for each in state["signals"]]), ("", [True]))
+                    continue
+                self.assertIn(f"the machine {does}, and so moves otherwise than by slewing: from 31.0 s on it is not compared", state["problem"])
+                self.assertEqual((state["signals"], state["since"]), ([], None))
+                self.assertLess(source.store.channels["OBSERVER"].last_time, 31.0)
 
     def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
         def entry(time, **requests):

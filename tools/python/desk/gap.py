@@ -5,12 +5,13 @@ import asyncio
 import collections
 import json
 import math
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from run_log import LogProblem, messages_folder
+from run_log import LogProblem, message_types, messages_folder
 from desk.source import event_bytes
 
 CHANNEL = "OBSERVER"
@@ -20,6 +21,8 @@ FLOOR_SHARE = 0.02  # of the rated torque, chosen: below it a missing torque is 
 FLOOR_ACCELERATION = 0.02  # [m/s^2] chosen: four times the noise of an ordinary accelerometer
 MOST_WAITING = 1 << 26  # [bytes] that the observer may be behind
 USED = ("ENCODER", "TORQUE", "SENSORS", "PLANT_STATUS")
+MOTIONS = {"rope_length": "hoists", "boom_angle": "luffs", "travelled": "travels"}  # by field of MOTION
+MOVED = 1e-6  # [m], [rad] chosen: above rounding
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ class Gap:
         """`nominal`: a Nominal; `minute` keeps the newest events, for a diagnosis."""
         self.source, self.nominal, self.minute = source, nominal, minute
         self.sizes, self.since, self.problem, self.remark = {}, None, "", ""
+        self.stood, self.moved = None, None  # MOTION's fields as the run began; (time [s], what the machine does) from when on it is not compared
         self.block = math.nan  # [s] the machine's characteristic time, which the observer says first
         self.run = None  # of the source, that is heard
         self.beginning, self.waiting = None, []  # another observer, and what it will be told
@@ -111,10 +115,29 @@ class Gap:
         if self.source.incoming.run != self.run:
             events = self._begin_another(events)
         self.minute.take(events, self.source.store.last)
+        self._look_for_motion(events)
         if self._is_beginning:
             self.waiting += events
         else:
             self._hand_on(events)
+
+    def _look_for_motion(self, events):
+        """The nominal machine slews and does nothing else: one whose rope, boom or place is no more that of its beginning is another."""
+        for channel, data in events if self.moved is None else ():
+            if channel != "MOTION":
+                continue
+            try:
+                message = message_types().motion_t.decode(data)
+            except (ValueError, struct.error):  # a bit turned over on its way
+                continue
+            if self.stood is None:
+                shape = self.source.facts.get("geometry", {})
+                self.stood = {field: shape.get(field, getattr(message, field)) for field in MOTIONS}
+            does = [words for field, words in MOTIONS.items() if abs(getattr(message, field) - self.stood[field]) > MOVED]
+            if does:
+                self.moved = message.simulated_time / 1e9, " and ".join(does)
+                self.since = None
+                return
 
     def _hand_on(self, events):
         """An observer that cannot keep up is left behind and says so."""
@@ -133,6 +156,7 @@ class Gap:
         if is_first:
             return events
         self.sizes, self.since, self.problem, self.remark, self.waiting = {}, None, "", "", []
+        self.stood, self.moved = None, None
         if not self._is_beginning:
             self.beginning = asyncio.create_task(self._replace_observer())
         return self.source.incoming.of_this_run(events)
@@ -174,9 +198,13 @@ class Gap:
 
     def _take(self, said):
         time = np.array(said["time"])
-        columns = {"missing_torque": np.array(said["missing_torque"], float).T}
+        is_compared = time < (math.inf if self.moved is None else self.moved[0])
+        if not is_compared.any():
+            return
+        time = time[is_compared]
+        columns = {"missing_torque": np.array(said["missing_torque"], float).T[is_compared]}
         for place, values in said["acceleration_difference"].items():
-            columns[f"{place}_difference"] = np.array(values, float)
+            columns[f"{place}_difference"] = np.array(values, float)[is_compared]
         self.source.store.append(CHANNEL, time, columns)
         nominal = self.nominal
         for group, values in enumerate(columns["missing_torque"].T):
@@ -195,6 +223,10 @@ class Gap:
         def known(value):
             return value if math.isfinite(value) else None
 
+        if self.moved is not None and not self.problem:
+            since, does = self.moved
+            return {"problem": f"the machine {does}, and so moves otherwise than by slewing: from {since:.1f} s on it is not compared", "remark": "", "since": None,
+                    "usual_from": None, "signals": []}
         now = self.source.store.last
         waited_for = [sizes.usual_from(now) for signal, (_, _, sizes) in self.sizes.items() if is_effort(signal) and not math.isfinite(sizes.usual)]
         return {"problem": self.problem, "remark": self.remark, "since": self.since, "usual_from": max(waited_for, default=None),
