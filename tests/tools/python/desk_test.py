@@ -18,12 +18,13 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import made_run
-from desk_store_test import THESIS, Said
+from desk_store_test import THESIS, Said, events_of_a_second
 from browser import PATIENCE, Browser, contrast_of, overlaps
 from desk import charts
 from desk.access import Joystick
 from desk.diagnosis import Minute
 from desk.gap import Gap
+from desk.recording import Recorder
 from desk.source import HELD, parse_events
 from desk.steered_run import SteeredRun, motion_requests, moves_under_a_stop
 from desk.store import Store
@@ -171,6 +172,22 @@ class PartsTest(unittest.TestCase):
                 self.assertIn(f"the machine {does}, and so moves otherwise than by slewing: from 31.0 s on it is not compared", state["problem"])
                 self.assertEqual((state["signals"], state["since"]), ([], None))
                 self.assertLess(source.store.channels["OBSERVER"].last_time, 31.0)
+
+    def test_a_recording_tells_how_its_run_ended(self):
+        killed = "the plant ended before its time: killed by signal 9 (Killed)"
+        for number, (at_its_end, told) in enumerate((("under way", "complete"), ("complete", "complete"), (killed, killed)), 1):
+            source, recorder = Said(1, {"end": "under way"}), Recorder(self.folder)
+            recorder.attach(source)
+            source.poll()
+            recorder.begin()
+            source.waiting = list(events_of_a_second(begin=1.0))
+            source.poll()
+            source.facts = {"end": at_its_end}
+            recorder.stop()
+            folder = self.folder / f"recording_{number}"
+            self.assertEqual(json.loads((folder / "run.json").read_text())["end"], told)
+            report = subprocess.run([SLEWLAB, "report", folder], capture_output=True, text=True, timeout=PATIENCE)
+            self.assertEqual(killed in (folder / "report.html").read_text(), told == killed, report.stderr)
 
     def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
         def entry(time, **requests):

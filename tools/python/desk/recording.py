@@ -72,7 +72,8 @@ class Recorder:
         file, self.file, self.until = self.file, None, self.newest
         try:
             file.close()
-            self._tell({"end": "complete", "recorded_until": self.until})
+            how = self.source.facts.get("end", "under way")  # the run's end, where that is this recording's
+            self._tell({"end": "complete" if how == "under way" else how, "recorded_until": self.until})
             self._partial.replace(self.folder / "run.lcmlog")
         except OSError as error:
             self._give_up(error)
