@@ -21,10 +21,11 @@ import made_run
 from desk_store_test import THESIS, Said, events_of_a_second
 from browser import PATIENCE, Browser, contrast_of, overlaps
 from desk import charts
-from desk.access import Joystick
+from desk.access import Access, Joystick
 from desk.diagnosis import Minute
 from desk.gap import Gap
 from desk.recording import Recorder
+from desk.server import Desk
 from desk.source import HELD, parse_events
 from desk.steered_run import SteeredRun, motion_requests, moves_under_a_stop
 from desk.store import Store
@@ -188,6 +189,30 @@ class PartsTest(unittest.TestCase):
             self.assertEqual(json.loads((folder / "run.json").read_text())["end"], told)
             report = subprocess.run([SLEWLAB, "report", folder], capture_output=True, text=True, timeout=PATIENCE)
             self.assertEqual(killed in (folder / "report.html").read_text(), told == killed, report.stderr)
+
+    def test_a_recording_of_a_log_that_is_followed_ends_with_its_run(self):
+        now = self.enterContext(unittest.mock.patch("time.monotonic", return_value=100.0))
+        source = Said(1, {"end": "under way"})
+        desk = Desk([source], Access("127.0.0.1"))
+        desk.recorder = Recorder(self.folder)
+        desk.recorder.attach(source)
+
+        def later(seconds, events=()):
+            now.return_value += seconds
+            source.waiting = list(events)
+            desk.end_recording(desk.poll(source))
+            return desk.recorder.state()["on"]
+
+        desk.poll(source)
+        desk.recorder.begin()
+        self.assertTrue(later(0.1, events_of_a_second(begin=1.0)))
+        self.assertTrue(later(60.0), "a run that says nothing goes on")
+        source.facts = {"end": "the plant ended before its time: exit code 1"}
+        self.assertTrue(later(1.0, events_of_a_second(begin=2.0)))
+        self.assertTrue(later(1.0))
+        self.assertFalse(later(1.0))
+        self.assertEqual(json.loads((self.folder / "recording_1" / "run.json").read_text())["end"], "the plant ended before its time: exit code 1")
+        self.assertEqual([path.name for path in (self.folder / "recording_1").glob("run.lcmlog*")], ["run.lcmlog"])
 
     def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
         def entry(time, **requests):
@@ -421,10 +446,15 @@ class DeskTest(unittest.TestCase):
             sides[0].wait(PATIENCE)
             page.until("desk.drawn > 0 && desk.last > 3.5")  # near the run's end: a bus may lose its last word
             page.until("document.body.innerText.includes('motor speed')")
-        with DeskProcess(self.folder / "run.lcmlog", "--follow") as desk:
+        with DeskProcess(self.folder / "run.lcmlog", "--follow", "--out", self.folder / "out") as desk:
             page = self.open(desk.address)
             page.until("Math.abs(desk.last - 4) < 0.011")
+            page.value("desk.send({type: 'record', on: true})")
+            page.until("document.getElementById('recording').innerText.startsWith('Recording from')")
             self.state(page, "nothing new for")
+            page.click("#record")  # what was begun can be ended
+            page.until("document.getElementById('recording').innerText.startsWith('Recorded from') && document.getElementById('record').disabled")
+            self.assertTrue((self.folder / "out" / "recording_1" / "run.lcmlog").is_file())
             (self.folder / "run.json").write_text('{"end": "the plant was killed"}')
             self.state(page, "run ended")
             page.until("document.getElementById('notice').innerText.includes('the plant was killed')")

@@ -85,6 +85,15 @@ class Desk:
             self.answered[source] = source.incoming.answered, now
         return had_news
 
+    def is_over(self, source):
+        """Whether the run of a live source has ended, by what stands beside its log, and nothing of it comes any more."""
+        return source.facts.get("end", "under way") != "under way" and self.silence(source) >= UNANSWERED
+
+    def end_recording(self, had_news):
+        """With the run's end, when all of it was heard."""
+        if self.recorder is not None and not had_news and (self.run.ended if self.run is not None else self.is_over(self.sources[0])):
+            self.recorder.stop()
+
     def trouble(self, source):
         """What to say of a controller that ended by itself, or that answers no more; nothing of any other."""
         end = source.facts.get("end", "under way")
@@ -116,8 +125,9 @@ class Desk:
                 self.joystick.expire(time.monotonic())
                 if self.run.ended:
                     self.joystick.give_back(self.joystick.holder)
-                    self.recorder.stop()
                 self.run.operate(self.joystick)
+            if not self.restarting:
+                self.end_recording(had_news)
             if had_news:
                 async with self.news:
                     self.news.notify_all()
@@ -311,6 +321,8 @@ class Page:
             self.desk.recorder.stop()
         elif self.desk.run is not None and self.desk.run.ended:
             await self.say({"type": "refused", "why": "the run has ended: start it anew"})
+        elif self.desk.run is None and self.desk.is_over(self.desk.sources[0]):
+            await self.say({"type": "refused", "why": "the run has ended"})
         elif not np.isfinite(self.desk.sources[0].store.last):
             await self.say({"type": "refused", "why": "nothing has been heard yet"})
         else:

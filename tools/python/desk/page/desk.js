@@ -340,7 +340,8 @@ class Desk {
     place.hidden = !folder;
     const text = problem || (on ? `Recording from ${from?.toFixed(2)} s on: ${folder}` : `Recorded from ${from?.toFixed(2)} to ${until?.toFixed(2)} s: ${folder}`);
     if (place.textContent !== text) place.textContent = text;
-    if (button.disabled !== (!this.layout.may_steer || this.isOver === true)) button.disabled = !button.disabled;
+    const disabled = !this.layout.may_steer || this.isOver === true && !this.recording;  // what was begun can be ended
+    if (button.disabled !== disabled) button.disabled = disabled;
     button.setAttribute("aria-pressed", this.recording);
     button.textContent = this.recording ? "Stop recording" : "Record from here";
   }
