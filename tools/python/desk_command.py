@@ -16,7 +16,7 @@ from arguments import ArgumentParser, bus, output_folder, port, shell_command
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
-from desk.gap import Gap, read_nominal
+from desk.gap import Gap, read_nominal, refuse_another_machine, refuse_controller_of_an_axis
 from desk.recording import Recorder
 from desk.server import Desk
 from desk.source import Bus, Difference, Growing, NoBus, Recorded, growing_log
@@ -120,6 +120,8 @@ async def open_desk(options):
     access, diagnosis, watch = Access(options.host), None, None
     out = options.out or Path("runs") / f"desk_{Path(options.subject[0]).stem if options.subject else 'bus'}"
     if options.nominal:
+        if options.nominal_controller:
+            refuse_controller_of_an_axis(options.nominal)
         diagnosis, nominal = Diagnosis(options.nominal, options.nominal_controller, out), read_nominal(options.nominal)
 
         async def watch(source):
@@ -134,6 +136,12 @@ async def open_desk(options):
         if not await run.begins():
             print("\n".join(run.words), file=sys.stderr)
             return 2
+        if options.nominal:
+            try:
+                refuse_another_machine(options.nominal, source.facts_file.read())
+            except LogProblem:
+                await run.end()
+                raise
         desk = Desk([source], access, run, watch)
         desk.recorder = recorder_of(source, out)
         desk.joystick = Joystick(options.let_go_after)
@@ -153,6 +161,8 @@ async def open_desk(options):
         sources = [Growing(growing_log(options.subject[0]))]
     else:
         sources = [Recorded(subject) for subject in options.subject]
+    if options.nominal:
+        refuse_another_machine(options.nominal, sources[0].facts)
     if options.same_machine:
         share_facts(*sources)
     if len(sources) == 2:

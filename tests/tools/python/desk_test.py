@@ -894,7 +894,16 @@ class DeskTest(unittest.TestCase):
     def test_what_cannot_begin_is_said_and_no_page_is_served(self):
         wrong, scenario = self.folder / "wrong.yaml", REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"
         wrong.write_text((REPOSITORY / "config" / "cranes" / "thesis.yaml").read_text())
-        for arguments, words in (((wrong, "--out", self.folder / "runs"), f"{wrong}:1:7: key 'kind': found crane, expected scenario"),
+        axis, thesis, one_group = (REPOSITORY / "config" / name for name in ("axes/example_axis.yaml", "cranes/thesis.yaml", "cranes/one_group.yaml"))
+        followed = made_run.write_run(self.folder / "followed")
+        (followed / "run.json").write_text('{"machine": {"kind": "axis", "efforts": [{"name": "motor torque", "unit": "N m"}]}}')
+        of_a_run = scenario, "--out", self.folder / "runs", "--nominal"
+        for arguments, words in (((*of_a_run, axis, "--nominal-controller", REPOSITORY / "config" / "controllers" / "thesis.yaml"),
+                                  f"{axis}: found an axis, expected no --nominal-controller beside it"),
+                                 ((*of_a_run, axis), f"{axis}: found an axis with 1 motor group, expected a crane with 2 motor groups, as the machine that runs"),
+                                 ((*of_a_run, one_group), f"{one_group}: found a crane with 1 motor group, expected a crane with 2 motor groups"),
+                                 ((followed, "--follow", "--nominal", thesis), f"{thesis}: found a crane with 2 motor groups, expected an axis with 1 motor group"),
+                                 ((wrong, "--out", self.folder / "runs"), f"{wrong}:1:7: key 'kind': found crane, expected scenario"),
                                  ((made_run.write_run(self.folder / "a"), "--controller", "./mine"), "--controller: of a scenario that the desk runs; this one shows a log"),
                                  ((scenario, "--out", self.folder / "runs", "--nominal", scenario), f"{scenario}:1:7: key 'kind': found scenario, expected crane or axis"),
                                  ((self.folder / "a", "--port", "70000"), "found '70000', expected a number from 0 to 65535")):

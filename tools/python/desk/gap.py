@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from run_log import LogProblem, message_types, messages_folder
-from desk.source import event_bytes
+from desk.source import event_bytes, motor_groups
 
 CHANNEL = "OBSERVER"
 FEWEST_BLOCKS = 10  # until something is called usual
@@ -38,14 +38,38 @@ class Nominal:
         return "force" if self.unit == "N" else "torque"
 
 
-def read_nominal(path):
+def read_machine(path):
     """LogProblem where the file is none of a machine, or anything in it is wrong."""
     from core_module import core
 
     try:
-        machine = core.Machine(Path(path), [])
+        return core.Machine(Path(path), [])
     except core.InputError as problems:
         raise LogProblem(str(problems)) from problems
+
+
+def refuse_controller_of_an_axis(path):
+    """LogProblem where the nominal machine is an axis: its diagnosis takes no controller's file."""
+    if read_machine(path).kind == "axis":
+        raise LogProblem(f"{path}: found an axis, expected no --nominal-controller beside it")
+
+
+def refuse_another_machine(path, facts):
+    """LogProblem where run.json tells a machine of another kind, or of another number of motor groups, than the nominal one is."""
+    if "machine" not in facts:
+        return
+    nominal, runs = read_machine(path), facts["machine"]
+    found, expected = (nominal.kind, nominal.group_count), (runs.get("kind", nominal.kind), motor_groups(facts) or nominal.group_count)
+    if found != expected:
+        raise LogProblem(f"{path}: found {in_words(*found)}, expected {in_words(*expected)}, as the machine that runs")
+
+
+def in_words(kind, groups):
+    return f"{'an axis' if kind == 'axis' else f'a {kind}'} with {groups} motor group{'s' if groups > 1 else ''}"
+
+
+def read_nominal(path):
+    machine = read_machine(path)
     return Nominal(Path(path), machine.rated_torque, "N" if machine.is_shaft_linear else "N m")
 
 

@@ -130,6 +130,11 @@ class Difference:
         return False
 
 
+def motor_groups(facts):
+    """How many motor groups the machine has that run.json tells; 0 where it tells none."""
+    return sum(effort["name"].startswith("motor") for effort in facts.get("machine", {}).get("efforts", []))
+
+
 class Facts:
     """What stands beside a log of what goes on, which is written when a run begins, and again when it ends."""
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from run_log import slewlab_program
 from whole_file import growing, next_folder
 from yaml_tree import file_text, flow, read_yaml
-from desk.source import Growing
+from desk.source import Growing, motor_groups
 
 SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
 END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
@@ -170,7 +170,7 @@ class SteeredRun:
     @property
     def groups(self):
         """How many motor groups the machine has; 0 where run.json is not there yet."""
-        return sum(effort["name"].startswith("motor") for effort in self.source.facts.get("machine", {}).get("efforts", []))
+        return motor_groups(self.source.facts)
 
     @property
     def choices(self):
