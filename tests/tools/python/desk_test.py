@@ -644,6 +644,22 @@ class DeskTest(unittest.TestCase):
             other.click("#stop")
             other.until("!desk.steering.stopPressed")
 
+    def test_a_page_whose_desk_is_gone_says_what_does_not_reach_the_run_any_more(self):
+        with self.steered() as desk:
+            page = self.browser.open(desk.address)  # which complains, rightly
+            page.until("desk.drawn > 0")
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.pull(page, 0.4)
+            page.until("document.getElementById('facts').innerText.includes('request\\n40 %')")
+            page.value("window.tried = 0, desk.connect = function () { tried += 1; Desk.prototype.connect.call(this); }, 0")
+            desk.process.terminate()
+            desk.process.wait(PATIENCE)
+            for tried in (0, 3):  # whose end is heard by then
+                page.until(f"tried >= {tried} && document.getElementById('notice').innerText.includes('out of reach')")
+                for words in ("The lever was let go.", "The emergency stop of this page does not reach the run."):
+                    self.assertIn(words, page.value("document.getElementById('notice').innerText"), tried)
+
     def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
         with self.steered("--duration", "60") as desk:
             page = self.open(desk.address)

@@ -61,7 +61,7 @@ class Desk {
     this.asked = false;
     this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
     this.socket.binaryType = "arraybuffer";
-    this.socket.addEventListener("open", () => { this.notice(""); this.runWords = ""; this.send({token: location.hash.slice(1)}); this.send({type: "layout"}); });
+    this.socket.addEventListener("open", () => { this.lost = undefined; this.notice(""); this.runWords = ""; this.send({token: location.hash.slice(1)}); this.send({type: "layout"}); });
     this.socket.addEventListener("message", (event) => {
       this.heard = performance.now();
       if (typeof event.data === "string") this.told(JSON.parse(event.data)); else this.received(event.data);
@@ -70,7 +70,8 @@ class Desk {
       this.badge("connection", event.code === 4401 ? "refused" : "not connected", "bad");
       if (event.code === 4401) { this.notice(event.reason); return; }
       const lever = this.steering.mine ? " The lever was let go." : "", stop = this.steering.steers ? " The emergency stop of this page does not reach the run." : "";
-      if (this.layout) this.notice(`The desk is out of reach: what is shown stands still.${lever}${stop} It is tried again.`);
+      this.lost ??= lever + stop;  // of the connection that was there; those that are tried behind it never had the lever
+      if (this.layout) this.notice(`The desk is out of reach: what is shown stands still.${this.lost} It is tried again.`);
       for (const id of ["drive", "controller"]) this.badge(id, "");
       this.steering.update(null, false);
       setTimeout(() => this.connect(), 1000);
