@@ -14,6 +14,7 @@ import unittest.mock
 from pathlib import Path
 
 import numpy as np
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -213,6 +214,15 @@ class PartsTest(unittest.TestCase):
         self.assertFalse(later(1.0))
         self.assertEqual(json.loads((self.folder / "recording_1" / "run.json").read_text())["end"], "the plant ended before its time: exit code 1")
         self.assertEqual([path.name for path in (self.folder / "recording_1").glob("run.lcmlog*")], ["run.lcmlog"])
+
+    def test_a_request_that_names_two_hosts_or_origins_is_refused_in_words(self):
+        desk, own = Desk([], Access("127.0.0.1")), ("Host", "127.0.0.1:8000")
+        for more, status in (((), 200), ((own,), 400), ((("host", "evil.example"),), 400), ((("Origin", "http://127.0.0.1:8000"), ("Origin", "http://evil.example")), 400),
+                             ((("Origin", "http://evil.example"),), 403)):
+            answer = desk.answer_http(None, unittest.mock.Mock(headers=Headers([own, *more]), path="/"))
+            self.assertEqual(answer.status_code, status, more)
+        for headers, path, status in ((Headers(), "/", 403), (Headers([("Host", "[")]), "/", 400), (Headers([own]), "//[", 400)):
+            self.assertEqual(desk.answer_http(None, unittest.mock.Mock(headers=headers, path=path)).status_code, status)
 
     def test_moves_that_an_emergency_stop_of_the_desk_does_not_end_are_refused_as_a_scenario(self):
         def entry(time, **requests):

@@ -152,11 +152,15 @@ class Desk:
 
     def answer_http(self, connection, request):
         """websockets' process_request: files by HTTP, None for a WebSocket that is let in."""
-        headers = request.headers
-        reason = self.access.refuses(headers.get("Origin"), headers.get("Host"))
+        origins, hosts = (request.headers.get_all(name) for name in ("Origin", "Host"))
+        if len(origins) > 1 or len(hosts) > 1:
+            return respond(HTTPStatus.BAD_REQUEST, b"one Host and one Origin at most are expected\n", "text/plain")
+        try:
+            reason, path = self.access.refuses(next(iter(origins), None), next(iter(hosts), None)), urlsplit(request.path).path
+        except ValueError:
+            return respond(HTTPStatus.BAD_REQUEST, b"no address can be read from Host or path\n", "text/plain")
         if reason:
             return respond(HTTPStatus.FORBIDDEN, reason.encode(), "text/plain; charset=utf-8")
-        path = urlsplit(request.path).path
         if path == "/socket":
             return None
         if path not in FILES:
