@@ -722,6 +722,17 @@ class DeskTest(unittest.TestCase):
                         answer = closed.rcvd.code
                 self.assertEqual(answer, "layout" if may else 4401)
 
+    def test_of_a_recorded_log_a_controller_that_has_stopped_is_silent(self):
+        events = [event for event in made_run.messages() if event[0] != "TORQUE" or event[1] < 10_000_000_000]
+        with DeskProcess(made_run.write_run(self.folder / "a", events=events)) as desk:
+            page = self.open(desk.address)
+            values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                      ".querySelectorAll('b')].map(b => b.textContent).join()")
+            for time, told, is_silent in ((9, "40.00,-20.00", False), (15, "–,–", True)):
+                page.value(f"desk.seek({time})")
+                page.until(f"{values} === '{told}'")
+                self.assertEqual(page.value("document.getElementById('controller').innerText === 'controller silent'"), is_silent)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -10,7 +10,7 @@ import bisect
 
 import numpy as np
 
-from holes import Holes
+from holes import FEWEST_STEPS, Holes, is_hole
 
 FACTOR = 8
 MOST_PER_PIXEL = 16
@@ -74,11 +74,18 @@ class Channel:
         self.levels = [Level(len(self.names), capacity, k > 0) for k in range(LEVELS)]
         self.told = np.zeros(len(self.names), bool)  # signals of which there was ever a number
         self._holes = Holes(most=MOST_HOLES)
+        self._usual_step = None  # [s] of the newest messages, once it was asked for; infinite where they are too few
 
     @property
     def last_time(self):
         level = self.levels[0]
         return float(level.time[level.count - 1]) if level.count else -np.inf
+
+    @property
+    def newest_but_one(self):
+        """Time [s] of the message before the newest."""
+        level = self.levels[0]
+        return float(level.time[level.count - 2]) if level.count > 1 else -np.inf
 
     @property
     def holes(self):
@@ -94,12 +101,23 @@ class Channel:
             if not self.told.all():
                 self.told |= np.isfinite(part).any(1)
             self._holes.add(piece)
+            self._usual_step = None
             self._append(piece, part)
 
     def holes_within(self, first, last):
         """Those that reach into a window."""
         begin = bisect.bisect_right(self.holes, first, key=lambda hole: hole[1])
         return self.holes[begin:bisect.bisect_left(self.holes, last, begin, key=lambda hole: hole[0])]
+
+    def is_over(self, now):
+        """Whether so much has gone by since the newest message that some are missing, for all that is known: a hole that has no end yet."""
+        if now <= self.last_time:
+            return False
+        if self._usual_step is None:
+            steps = np.diff(self._holes.before)
+            forward = steps[steps > 0]
+            self._usual_step = float(np.median(forward)) if len(forward) >= FEWEST_STEPS else np.inf
+        return is_hole(now - self.last_time, self._usual_step)
 
     def _append(self, time, values):
         self.levels[0].append(time, values, values)

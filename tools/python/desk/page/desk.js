@@ -351,7 +351,7 @@ class Desk {
     // What was said last of a run that is over, or says nothing, is no state of today.
     const say = (id, what, kind) => this.badge(id, what && `${id} ${this.isOver ? "last " : ""}${what}`, this.isOver ? "" : kind);
     say("drive", state.drive, drives[state.drive]);
-    if (trouble && !this.isOver) say("controller", "silent", "bad");
+    if ((trouble || state.silent) && !this.isOver) say("controller", "silent", "bad");
     else say("controller", state.controller, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
     const tripped = state.trip && `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.`;
     const words = [trouble, tripped].filter(Boolean).join(" "), trip = by("trip");
