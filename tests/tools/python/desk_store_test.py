@@ -716,6 +716,21 @@ class ChartsTest(unittest.TestCase):
                 store.append("PLANT_STATUS", np.arange(10.0, 12.0), {"drive_state": np.zeros(2)})
             self.assertNotIn(signal, charts.values(store, [signal], store.last))
 
+    def test_a_trip_stands_from_its_time_on_as_soon_as_the_message_that_tells_it_is_there(self):
+        store, time = Store(), np.arange(0.0, 6.0)
+
+        def append(begin, end):
+            store.append("PLANT_STATUS", time[begin:end], {field: np.array(values)[begin:end] for field, values in (
+                ("drive_state", [1, 1, 1, 2, 1, 1]), ("trip_cause", [0, 0, 0, 13, 0, 0]), ("trip_time", [-1, -1, -1, 2.25e9, 2.25e9, 2.25e9]))})
+        append(0, 3)
+        self.assertEqual(charts.state(store, 2.9)["drive"], "running")
+        append(3, 6)
+        for at, drive, trip_time in ((1.9, "running", None), (2.2, "running", None), (2.25, "tripped", 2.25), (2.9, "tripped", 2.25), (3.0, "tripped", 2.25)):
+            said = charts.state(store, at)
+            self.assertEqual((said["drive"], said["trip_time"] and round(said["trip_time"], 6), bool(said["trip"])), (drive, trip_time, drive == "tripped"), at)
+        for at in (4.5, 5.5):  # acknowledged
+            self.assertEqual((charts.state(store, at)["drive"], charts.state(store, at)["trip"]), ("running", ""))
+
     def test_two_logs_have_no_difference_where_one_has_no_messages(self):
         whole, cut = np.arange(0, 2000) * 0.01, np.concatenate((np.arange(0, 500), np.arange(800, 2000))) * 0.01
         sources = [unittest.mock.Mock(facts={}, store=Store()) for _ in range(2)]

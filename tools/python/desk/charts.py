@@ -6,7 +6,8 @@ from desk.source import HELD, SPORADIC
 
 GROUPS = 8  # [-] the most that a machine has
 
-DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
+TRIPPED = 2
+DRIVE_STATES = {0: "ready", 1: "running", TRIPPED: "tripped", 3: "braked"}
 CONTROLLER_MODES = {0: "stopped", 1: "running", 2: "emergency stop", 3: "waiting for acknowledgement", 4: "link to the PLC lost"}
 # The codes of docs/wire.md, in words.
 TRIP_CAUSES = {
@@ -232,6 +233,9 @@ def state(store, time):
 
     drive, cause = number("PLANT_STATUS.drive_state"), number("PLANT_STATUS.trip_cause")
     tripped = store.at("PLANT_STATUS.trip_time", time)
+    next_cause, next_tripped = (store.next_at(f"PLANT_STATUS.{field}", time) for field in ("trip_cause", "trip_time"))
+    if not cause and next_cause > 0 and 0 <= next_tripped <= time * 1e9 and next_tripped != tripped:  # it has happened, and is told later
+        drive, cause, tripped = TRIPPED, int(next_cause), next_tripped
     request = store.at("OPERATOR.speed_request", time)
     missing = silent(store, time)
     is_silent = "TORQUE" in missing and "ENCODER" not in missing  # it is asked and does not answer

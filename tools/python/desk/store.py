@@ -175,6 +175,14 @@ class Channel:
         found = self.range_at(time)
         return None if found is None else 0.5 * (found[0] + found[1])
 
+    def next_at(self, time):
+        """The values of the first message behind a time, by signal; None where no single one is held."""
+        level = self.levels[0]
+        place = level.find(time, "right")
+        if not level.begin <= place < level.end or place == level.begin > 0:
+            return None
+        return level.part(place, place + 1)[1][:, 0].astype(float)
+
     def between(self, time):
         """The same, on the straight line between the samples before and behind."""
         level = self.levels[0]
@@ -243,6 +251,12 @@ class Store:
         name, row = self.places[signal]
         channel = self.channels[name]
         values = channel.between(time) if between else channel.at(time)
+        return np.nan if values is None else float(values[row])
+
+    def next_at(self, signal, time):
+        """The value of a signal in the first message behind a time, nan where there is none."""
+        name, row = self.places.get(signal, (None, 0))
+        values = self.channels[name].next_at(time) if name is not None else None
         return np.nan if values is None else float(values[row])
 
     def ranges_at(self, signals, time):
