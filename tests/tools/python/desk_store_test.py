@@ -667,6 +667,70 @@ class ChartsTest(unittest.TestCase):
         store.append("TRUTH", np.arange(0, 2000) * 0.01, {"house_speed": np.zeros(2000)})
         self.assertEqual(what_is_missing(store), ["messages are missing of ENCODER, TORQUE from 4.99 to 8.00 s"])
 
+    def stopped(self):
+        """A controller that answers until 10 s and then no more; the plant goes on until 30 s."""
+        store, time = Store(), np.arange(0, 3000) * 0.01
+        early = time[time <= 10.0]
+        store.append("ENCODER", time, {"shaft_speed": time[:, None]})
+        store.append("SENSORS", early, {"slew_angle": early})
+        store.append("TORQUE", early, {"motor_torque": np.full((len(early), 1), 30.0)})
+        store.append("CONTROLLER_STATE", early, {"mode": np.ones(len(early))})
+        return store
+
+    def test_a_channel_that_has_stopped_has_no_value_and_no_line_from_then_on(self):
+        store = self.stopped()
+        signals = ["ENCODER.shaft_speed.0", "TORQUE.motor_torque.0"]
+        for time, names in ((9.9, signals), (10.04, signals), (10.07, signals[:1]), (20.0, signals[:1]), (29.99, signals[:1])):
+            self.assertEqual(list(charts.values(store, signals, time)), names, time)
+        for first, last, columns in ((0.0, 20.0, [51, 100]), (12.0, 22.0, [0, 100]), (0.0, 10.0, None)):
+            self.assertEqual(charts.holes(store, signals, first, last, 100), {} if columns is None else {signals[1]: [columns]})
+            if columns:
+                self.assertTrue(np.isnan(charts.envelopes(store, signals, first, last, 100)[signals[1]][0][slice(*columns)]).all())
+        self.assertEqual([charts.pose({}, store, time)["angle"] for time in (9.0, 20.0)], [9.0, None])
+
+    def test_a_controller_that_has_stopped_is_silent_from_then_on(self):
+        store = self.stopped()
+        self.assertEqual([charts.state(store, time)["silent"] for time in (9.9, 10.04, 10.07, 29.0)], [False, False, True, True])
+        self.assertEqual(charts.state(store, 9.9)["controller"], "running")
+        # Where nobody says anything, it is not the controller alone.
+        store = Store()
+        for begin in (0.0, 20.0):
+            time = begin + np.arange(500) * 0.01
+            store.append("ENCODER", time, {"shaft_speed": time[:, None]})
+            store.append("TORQUE", time, {"motor_torque": time[:, None]})
+            store.append("CONTROLLER_STATE", time, {"mode": np.ones(500)})
+        self.assertEqual([(said["controller"], said["silent"]) for said in (charts.state(store, 10.0), charts.state(store, 22.0))],
+                         [(None, False), ("running", False)])
+
+    def test_an_observer_may_be_behind_the_run_as_far_as_it_waits_for_the_drives_state(self):
+        for has_status in (True, False):
+            store, signal = Store(), "OBSERVER.tip_difference"
+            store.append("OBSERVER", np.arange(0, 910) * 0.01, {"tip_difference": np.zeros(910)})
+            for name in ("ENCODER", "TORQUE"):
+                store.append(name, np.arange(0, 1000) * 0.01, {"x": np.zeros(1000)})
+            if has_status:
+                store.append("PLANT_STATUS", np.arange(0.0, 10.0), {"drive_state": np.zeros(10)})
+            self.assertIn(signal, charts.values(store, [signal], store.last))
+            store.append("ENCODER", np.arange(1000, 1200) * 0.01, {"x": np.zeros(200)})
+            if has_status:
+                store.append("PLANT_STATUS", np.arange(10.0, 12.0), {"drive_state": np.zeros(2)})
+            self.assertNotIn(signal, charts.values(store, [signal], store.last))
+
+    def test_a_trip_stands_from_its_time_on_as_soon_as_the_message_that_tells_it_is_there(self):
+        store, time = Store(), np.arange(0.0, 6.0)
+
+        def append(begin, end):
+            store.append("PLANT_STATUS", time[begin:end], {field: np.array(values)[begin:end] for field, values in (
+                ("drive_state", [1, 1, 1, 2, 1, 1]), ("trip_cause", [0, 0, 0, 13, 0, 0]), ("trip_time", [-1, -1, -1, 2.25e9, 2.25e9, 2.25e9]))})
+        append(0, 3)
+        self.assertEqual(charts.state(store, 2.9)["drive"], "running")
+        append(3, 6)
+        for at, drive, trip_time in ((1.9, "running", None), (2.2, "running", None), (2.25, "tripped", 2.25), (2.9, "tripped", 2.25), (3.0, "tripped", 2.25)):
+            said = charts.state(store, at)
+            self.assertEqual((said["drive"], said["trip_time"] and round(said["trip_time"], 6), bool(said["trip"])), (drive, trip_time, drive == "tripped"), at)
+        for at in (4.5, 5.5):  # acknowledged
+            self.assertEqual((charts.state(store, at)["drive"], charts.state(store, at)["trip"]), ("running", ""))
+
     def test_two_logs_have_no_difference_where_one_has_no_messages(self):
         whole, cut = np.arange(0, 2000) * 0.01, np.concatenate((np.arange(0, 500), np.arange(800, 2000))) * 0.01
         sources = [unittest.mock.Mock(facts={}, store=Store()) for _ in range(2)]

@@ -952,6 +952,42 @@ class DeskTest(unittest.TestCase):
                         answer = closed.rcvd.code
                 self.assertEqual(answer, "layout" if may else 4401)
 
+    def test_of_a_recorded_log_a_controller_that_has_stopped_is_silent(self):
+        events = [event for event in made_run.messages() if event[0] != "TORQUE" or event[1] < 10_000_000_000]
+        with DeskProcess(made_run.write_run(self.folder / "a", events=events)) as desk:
+            page = self.open(desk.address)
+            values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                      ".querySelectorAll('b')].map(b => b.textContent).join()")
+            for time, told, is_silent in ((9, "40.00,-20.00", False), (15, "–,–", True)):
+                page.value(f"desk.seek({time})")
+                page.until(f"{values} === '{told}'")
+                self.assertEqual(page.value("document.getElementById('controller').innerText === 'controller silent'"), is_silent)
+
+    def test_the_difference_of_two_logs_has_the_lines_of_both_and_words_for_the_others(self):
+        def events(compensates):
+            found = made_run.messages()
+            for k in range(200):
+                state = types.controller_state_t()
+                state.mode, state.average_torque, state.offset_torque = 1, 20.0, 50.0 if compensates else 0.0
+                state.sequence = state.answered_sequence = k
+                state.simulated_time, state.configuration_hash, state.run_identity = k * 100_000_000, made_run.HASH, made_run.RUN
+                found.append(("CONTROLLER_STATE", state.simulated_time, state))
+            return sorted(found, key=lambda event: event[1])
+
+        types = message_types()
+        labels = ("[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque, difference'))"
+                  "?.querySelector('.legend').innerText.replace(/\\s+/g, ' ')")
+        a = made_run.write_run(self.folder / "a", events=events(True))
+        # Of one that compensates and one that does not, and of two that do alike.
+        for name, compensates in (("b", False), ("c", True)):
+            with DeskProcess(a, made_run.write_run(self.folder / name, events=events(compensates))) as desk:
+                page = self.open(desk.address)
+                page.value("desk.seek(5), document.getElementById('compare').value = 'difference', document.getElementById('compare').dispatchEvent(new Event('change'))")
+                groups = "group 1 0.0000 group 2 0.0000"
+                words = (f"{groups} compensation, upper 0.0000 compensation, lower 0.0000" if compensates
+                         else f"{groups} left out: “compensation, upper”, “compensation, lower” (only in a)")
+                page.until(f"{labels}.trim() === {json.dumps(words)}")
+
 
 if __name__ == "__main__":
     unittest.main()

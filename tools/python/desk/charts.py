@@ -6,7 +6,8 @@ from desk.source import HELD, SPORADIC
 
 GROUPS = 8  # [-] the most that a machine has
 
-DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
+TRIPPED = 2
+DRIVE_STATES = {0: "ready", 1: "running", TRIPPED: "tripped", 3: "braked"}
 CONTROLLER_MODES = {0: "stopped", 1: "running", 2: "emergency stop", 3: "waiting for acknowledgement", 4: "link to the PLC lost"}
 # The codes of docs/wire.md, in words.
 TRIP_CAUSES = {
@@ -130,15 +131,36 @@ def channel_of(signal):
     return DERIVED.get(signal, (signal,))[0].split(".")[0]
 
 
+def expected(store, name, now):
+    """Up to when [s] a channel's messages should be there. The observer goes on when PLANT_STATUS has said whether the drive had tripped, so
+    by the newest of these it is at the one before; where none comes, it goes on as long as what it hears does."""
+    if name != "OBSERVER":
+        return now
+    if "PLANT_STATUS" in store.channels:
+        return min(now, store.channels["PLANT_STATUS"].newest_but_one)
+    heard = [store.channels[each] for each in ("ENCODER", "TORQUE") if each in store.channels]
+    return now if any(channel.is_over(now) for channel in heard) else -np.inf
+
+
+def silent(store, time):
+    """Channels of which messages are missing at a time: before others, or since their newest one."""
+    now = min(time, store.last)
+    return {name for name, channel in store.channels.items()
+            if name not in SPORADIC and (channel.holes_within(time, time) or channel.is_over(expected(store, name, now)))}
+
+
 def holes(store, signals, first, last, bins):
-    """{signal: [[begin, end], ...]} of the window's columns between those that hold the messages before and behind a hole; of what is said
-    when something changes, no message is missing."""
+    """{signal: [[begin, end], ...]} of the window's columns between those that hold the messages before and behind a hole, or behind the last
+    one of a channel that has stopped; of what is said when something changes, no message is missing."""
     def column(time):
         return int((time - first) / (last - first) * bins)
 
     of_channel = {}
     for name in {channel_of(signal) for signal in signals} - set(SPORADIC):
-        within = store.channels[name].holes_within(first, last) if name in store.channels else []
+        channel = store.channels.get(name)
+        within = list(channel.holes_within(first, last)) if channel is not None else []
+        if channel is not None and channel.last_time < last and channel.is_over(expected(store, name, store.last)):
+            within.append((channel.last_time, last))
         columns = [[column(before) + 1 if before >= first else 0, min(bins, column(behind))] for before, behind in within]
         of_channel[name] = [[begin, end] for begin, end in columns if begin < end]
     return {signal: of_channel[channel_of(signal)] for signal in signals if of_channel.get(channel_of(signal))}
@@ -153,8 +175,8 @@ def values(store, signals, time):
             (low, high), (offset_low, offset_high) = (found[part] for part in DERIVED[signal])
             offset = 0.5 * (offset_low + offset_high)
             found[signal] = low + sign * offset, high + sign * offset
-    silent = {name for name, channel in store.channels.items() if name not in SPORADIC and channel.holes_within(time, time)}
-    return {signal: found[signal] for signal in signals if signal in found and channel_of(signal) not in silent}
+    missing = silent(store, time)
+    return {signal: found[signal] for signal in signals if signal in found and channel_of(signal) not in missing}
 
 
 def envelopes(store, signals, first, last, bins):
@@ -176,21 +198,26 @@ def envelopes(store, signals, first, last, bins):
 
 
 def pose(facts, store, time):
-    """Where everything of the crane is at a time: SI units, None for what the log does not tell."""
+    """Where everything of the crane is at a time: SI units, None for what the log does not tell, or not there."""
+    missing = silent(store, time)
+
     def known(value):
         return float(value) if np.isfinite(value) else None
+
+    def at(signal):
+        return np.nan if channel_of(signal) in missing else store.at(signal, time, True)
 
     ratio, angle_signal, share = ratio_of(facts), "SENSORS.slew_angle", 1.0
     if not store.told(angle_signal) and ratio:
         angle_signal, share = "ENCODER.shaft_position.0", 1.0 / ratio
-    time = min([time, *newest_of(store, angle_signal, "TRUTH.tip_displacement")])
-    angle = share * store.at(angle_signal, time, True)
-    tip = store.at("TRUTH.tip_displacement", time, True)
+    here = [signal for signal in (angle_signal, "TRUTH.tip_displacement") if channel_of(signal) not in missing]
+    time = min([time, *newest_of(store, *here)])
+    angle, tip = share * at(angle_signal), at("TRUTH.tip_displacement")
     deflection = tip - tip_radius(facts, store, time) * angle
-    gears = [known(store.at(f"TRUTH.gear_deflection.{g}", time, True)) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
-    torques = [known(store.at(f"TRUTH.gearbox_torque.{g}", time, True)) for g in range(len(gears))]
-    rope, rod = (np.nan if is_axis(facts) else store.at(f"TRUTH.{part}_angle", time, True) for part in ("rope", "rod"))
-    motion = {name: known(store.at(f"MOTION.{name}", time, True)) for name in ("boom_angle", "rope_length", "travelled") if store.has(f"MOTION.{name}")}
+    gears = [known(at(f"TRUTH.gear_deflection.{g}")) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
+    torques = [known(at(f"TRUTH.gearbox_torque.{g}")) for g in range(len(gears))]
+    rope, rod = (np.nan if is_axis(facts) else at(f"TRUTH.{part}_angle") for part in ("rope", "rod"))
+    motion = {name: known(at(f"MOTION.{name}")) for name in ("boom_angle", "rope_length", "travelled") if store.has(f"MOTION.{name}")}
     return {"angle": known(angle), "deflection": known(deflection), "rope": known(rope), "rod": known(rod), "gears": gears, "gear_torques": torques, "motion": motion}
 
 
@@ -224,10 +251,16 @@ def state(store, time):
 
     drive, cause = number("PLANT_STATUS.drive_state"), number("PLANT_STATUS.trip_cause")
     tripped = store.at("PLANT_STATUS.trip_time", time)
+    next_cause, next_tripped = (store.next_at(f"PLANT_STATUS.{field}", time) for field in ("trip_cause", "trip_time"))
+    if not cause and next_cause > 0 and 0 <= next_tripped <= time * 1e9 and next_tripped != tripped:  # it has happened, and is told later
+        drive, cause, tripped = TRIPPED, int(next_cause), next_tripped
     request = store.at("OPERATOR.speed_request", time)
+    missing = silent(store, time)
+    is_silent = "TORQUE" in missing and "ENCODER" not in missing  # it is asked and does not answer
     return {"drive": DRIVE_STATES.get(drive), "trip": TRIP_CAUSES.get(cause, f"cause {cause}") if cause else "",
             "trip_time": tripped * 1e-9 if np.isfinite(tripped) and tripped >= 0 else None,
-            "controller": CONTROLLER_MODES.get(number("CONTROLLER_STATE.mode")),
+            "controller": CONTROLLER_MODES.get(number("CONTROLLER_STATE.mode")) if is_silent or "CONTROLLER_STATE" not in missing else None,
+            "silent": is_silent,
             "stale": number("PLANT_STATUS.stale_commands"), "missed": number("PLANT_STATUS.missed_deadlines"),
             "request": float(request) if np.isfinite(request) else None,
             "emergency_stop": bool(number("OPERATOR.emergency_stop")), "acknowledge": bool(number("OPERATOR.acknowledge"))}

@@ -10,7 +10,7 @@ import bisect
 
 import numpy as np
 
-from holes import Holes
+from holes import FEWEST_STEPS, Holes, is_hole
 
 FACTOR = 8
 MOST_PER_PIXEL = 16
@@ -74,11 +74,18 @@ class Channel:
         self.levels = [Level(len(self.names), capacity, k > 0) for k in range(LEVELS)]
         self.told = np.zeros(len(self.names), bool)  # signals of which there was ever a number
         self._holes = Holes(most=MOST_HOLES)
+        self._usual_step = None  # [s] of the newest messages, once it was asked for; infinite where they are too few
 
     @property
     def last_time(self):
         level = self.levels[0]
         return float(level.time[level.count - 1]) if level.count else -np.inf
+
+    @property
+    def newest_but_one(self):
+        """Time [s] of the message before the newest."""
+        level = self.levels[0]
+        return float(level.time[level.count - 2]) if level.count > 1 else -np.inf
 
     @property
     def holes(self):
@@ -94,12 +101,23 @@ class Channel:
             if not self.told.all():
                 self.told |= np.isfinite(part).any(1)
             self._holes.add(piece)
+            self._usual_step = None
             self._append(piece, part)
 
     def holes_within(self, first, last):
         """Those that reach into a window."""
         begin = bisect.bisect_right(self.holes, first, key=lambda hole: hole[1])
         return self.holes[begin:bisect.bisect_left(self.holes, last, begin, key=lambda hole: hole[0])]
+
+    def is_over(self, now):
+        """Whether so much has gone by since the newest message that some are missing, for all that is known: a hole that has no end yet."""
+        if now <= self.last_time:
+            return False
+        if self._usual_step is None:
+            steps = np.diff(self._holes.before)
+            forward = steps[steps > 0]
+            self._usual_step = float(np.median(forward)) if len(forward) >= FEWEST_STEPS else np.inf
+        return is_hole(now - self.last_time, self._usual_step)
 
     def _append(self, time, values):
         self.levels[0].append(time, values, values)
@@ -156,6 +174,14 @@ class Channel:
         """The newest values at a time, by signal; None before the first."""
         found = self.range_at(time)
         return None if found is None else 0.5 * (found[0] + found[1])
+
+    def next_at(self, time):
+        """The values of the first message behind a time, by signal; None where no single one is held."""
+        level = self.levels[0]
+        place = level.find(time, "right")
+        if not level.begin <= place < level.end or place == level.begin > 0:
+            return None
+        return level.part(place, place + 1)[1][:, 0].astype(float)
 
     def between(self, time):
         """The same, on the straight line between the samples before and behind."""
@@ -225,6 +251,12 @@ class Store:
         name, row = self.places[signal]
         channel = self.channels[name]
         values = channel.between(time) if between else channel.at(time)
+        return np.nan if values is None else float(values[row])
+
+    def next_at(self, signal, time):
+        """The value of a signal in the first message behind a time, nan where there is none."""
+        name, row = self.places.get(signal, (None, 0))
+        values = self.channels[name].next_at(time) if name is not None else None
         return np.nan if values is None else float(values[row])
 
     def ranges_at(self, signals, time):

@@ -112,9 +112,9 @@ class Chart {
     });
     const isOff = (mark) => mark.at < SPECTRUM_AXIS[0] || mark.at > SPECTRUM_AXIS[1];
     const off = description.isSpectrum ? (description.marks ?? []).filter(isOff).map((mark) => mark.label) : [];
-    if (off.length) {
+    for (const words of [off.length && `off the axis: ${off.join(", ")}`, description.note].filter(Boolean)) {
       const note = document.createElement("span");
-      note.textContent = `off the axis: ${off.join(", ")}`;
+      note.textContent = words;
       this.legend.append(note);
     }
     this.place = document.createElement("div");

@@ -66,7 +66,7 @@ class CranePicture {
   // What a picture of the crane needs and the log does not tell.
   lacks(crane) {
     if (!crane.facts.geometry) return "the crane's shape is not in this log";
-    return crane.pose.angle === null ? "the slew angle is not in this log" : "";
+    return crane.pose.angle === null ? "the slew angle is not in this log at this time" : "";
   }
 
   // Points of boom, rope and load in metres: x to the right, y ahead, z up. The boom points ahead at angle 0 and turns to the

@@ -12,13 +12,24 @@ function hasEnded(source) { return Boolean(source.facts.end) && (source.silence 
 function isSameQuantity(one, other) { return one.title === other.title && one.unit === other.unit; }
 
 // Why what two sources have of a chart cannot be subtracted; undefined where it can.
-function unlikeCharts(sources, description) {
-  const [first, second] = sources.slice(0, 2).map((source) => source.charts.find((each) => each.title === description.title));
+function unlikeCharts(sources, first, second) {
   if (!first || !second) return "not in both logs in these terms";
   if (first.unit !== second.unit) return `${sources[0].name} in ${first.unit}, ${sources[1].name} in ${second.unit}`;
-  const scale = (chart, signal) => chart.series.find((line) => line.signal === signal)?.scale;
-  const differs = description.series.some(({signal}) => Math.abs(scale(first, signal) / scale(second, signal) - 1) > 1e-9);
+  const differs = first.series.some((line) => Math.abs(line.scale / second.series.find(({signal}) => signal === line.signal)?.scale - 1) > 1e-9);
   return differs ? "the machines' ratios or rated torques differ" : undefined;
+}
+
+// What is derived of other signals has a difference where these have one.
+function hasDifference(signal, charts) { return signal.startsWith("compensation.") || charts.some((chart) => chart.series.some((line) => line.signal === signal)); }
+
+// Of a chart of two sources the lines that their difference has, and words for those that it has not.
+function commonLines(sources, first, second) {
+  const has = (chart, line) => chart.series.some(({signal}) => signal === line.signal), isTold = (line) => hasDifference(line.signal, sources[2].charts);
+  const both = first.series.filter((line) => has(second, line)), left = [
+    [`only in ${sources[0].name}`, first.series.filter((line) => !has(second, line))], [`only in ${sources[1].name}`, second.series.filter((line) => !has(first, line))],
+    ["in the two logs at no common time, or in messages of another form", both.filter((line) => !isTold(line))]];
+  const words = left.filter(([, lines]) => lines.length).map(([why, lines]) => `${lines.map((line) => `“${line.label}”`).join(", ")} (${why})`);
+  return {lines: both.filter(isTold), left: words.join(", ")};
 }
 
 class Desk {
@@ -151,10 +162,13 @@ class Desk {
     const sources = this.layout.sources, mode = by("compare").value, isDifference = mode === "difference" && sources.length > 2;
     this.signals = sources.map(() => []);
     if (isDifference) {
-      for (const description of sources[2].charts) {
-        const unlike = unlikeCharts(sources, description);
-        if (unlike) this.refuseChart(description, unlike);
-        else this.addChart({...description, title: `${description.title}, difference`}, this.lines(2, description));
+      const titles = new Set(sources.slice(0, 2).flatMap((source) => source.charts.map((chart) => chart.title)));
+      for (const title of titles) {
+        const [first, second] = sources.slice(0, 2).map((source) => source.charts.find((chart) => chart.title === title));
+        const unlike = unlikeCharts(sources, first, second), {lines, left} = unlike ? {} : commonLines(sources, first, second);
+        if (unlike) this.refuseChart(first ?? second, unlike);
+        else if (!lines.length) this.refuseChart(first, left);
+        else this.addChart({...first, title: `${title}, difference`, note: left && `left out: ${left}`}, this.lines(2, {...first, series: lines}));
       }
     } else {
       const second = mode === "overlay" ? sources[1]?.charts ?? [] : [];
@@ -353,7 +367,7 @@ class Desk {
     // What was said last of a run that is over, or says nothing, is no state of today.
     const say = (id, what, kind) => this.badge(id, what && `${id} ${this.isOver ? "last " : ""}${what}`, this.isOver ? "" : kind);
     say("drive", state.drive, drives[state.drive]);
-    if (trouble && !this.isOver) say("controller", "silent", "bad");
+    if ((trouble || state.silent) && !this.isOver) say("controller", "silent", "bad");
     else say("controller", state.controller, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
     const tripped = state.trip && `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.`;
     const words = [trouble, tripped].filter(Boolean).join(" "), trip = by("trip");
