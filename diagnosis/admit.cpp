@@ -257,19 +257,24 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
   const std::size_t pressed = found.value_or(0);  // from there on
   const bool is_at_rest = !record.begins_in_motion && begins_at_rest(record, problem.thresholds.admission);
   const bool is_unloaded = is_at_rest && begins_unloaded(record, time);
-  // Drives that are on already, or motors that hold something, may have moved the machine before, and no motor tells: behind a house that a friction holds load, rod and boom swing on. Where no motor pushes yet, a large swing of
-  // the load tells.
+  // Drives that are on already, or motors that hold something, may have moved before: the load's swing tells.
   const bool may_have_moved = is_at_rest && ((is_pressed && pressed == 0) || !is_unloaded) && problem.nuisances.swing_amounts() > 0;
-  record.load_may_swing = may_have_moved && (pushes_at_first(record) || swing_at_rest(problem, play, record, whitening) > kSwingsOn * kSwingDeviation);
+  record.load_may_swing = may_have_moved && swing_at_rest(problem, play, record, whitening) > kSwingsOn * kSwingDeviation;
+  const auto from_rest_of = [&] {
+    Following from_rest = follow_from_rest(problem, play, record, whitening);
+    // Gears that are wound up from the first reading on are so by drives that were on before, and no motor tells what moved then: behind a house that a friction holds load, rod and boom swing on.
+    record.load_may_swing |= may_have_moved && record.begins_on_flanks && pushes_at_first(record);
+    return from_rest;
+  };
   if (!is_pressed || (is_unloaded && pressed == 0) || (!record.begins_in_motion && pressed > 0 && came_from_the_middle(problem, play, record, pressed))) {
-    return follow_from_rest(problem, play, record, whitening);
+    return from_rest_of();
   }
   Record later = record;
   leave_out_beginning(later, pressed);
   later.begins_bent = later.begins_on_flanks = true;
   Following from_later = follow(problem, later, whitening);
   if (is_at_rest) {
-    Following from_rest = follow_from_rest(problem, play, record, whitening);
+    Following from_rest = from_rest_of();
     const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
     if (missing_power(problem, record, from_rest.follower, pressed + forgotten) < missing_power(problem, later, from_later.follower, forgotten)) return from_rest;
   }
