@@ -16,14 +16,15 @@ class Spectrum:
 
     def __init__(self, step, segment):
         self.step, self.length = step, int(round(segment / step))
+        self.hop = max(1, self.length // 4)  # from one segment to the next
         self.waiting, self.segments, self.power = np.zeros(0), 0, 0.0
 
     def add(self, series):
         self.waiting = np.concatenate([self.waiting, np.asarray(series, float)])
-        hop, begin = max(1, self.length // 4), 0
+        begin = 0
         while self.length >= SHORTEST and begin + self.length <= len(self.waiting):
             self._take(self.waiting[begin : begin + self.length])
-            begin += hop
+            begin += self.hop
         self.waiting = self.waiting[begin:]
 
     def _take(self, piece):

@@ -19,7 +19,7 @@ from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis, Minute
 from desk.gap import Gap, Nominal, read_nominal
 from desk.recording import Recorder
-from desk.server import Desk
+from desk.server import Desk, spectra
 from desk.source import Difference, Facts, Growing, Incoming, event_bytes, fill, last_event, parse_events, what_is_missing
 from desk.steered_run import SteeredRun
 from desk.store import CAPACITY, FACTOR, Channel, Store
@@ -715,6 +715,19 @@ class ChartsTest(unittest.TestCase):
             if has_status:
                 store.append("PLANT_STATUS", np.arange(10.0, 12.0), {"drive_state": np.zeros(2)})
             self.assertNotIn(signal, charts.values(store, [signal], store.last))
+
+    def test_the_newest_sample_takes_part_in_the_spectrum_at_any_period(self):
+        for period in (0.001, 0.004, 0.005, 0.007, 0.01):
+            time = np.arange(round(40.0 / period)) * period
+            for at in (30.0, 30.0 + 0.4 * period, 33.333):
+                found = []
+                for newest in (0.0, 1e6):
+                    store, values = Store(), np.sin(2 * np.pi * 2.0 * time)
+                    values[np.searchsorted(time, at, "right") - 1] += newest
+                    store.append("SENSORS", time, {"tip_acceleration": values})
+                    found.append(spectra(unittest.mock.Mock(facts={}, store=store), at)[0])
+                self.assertNotEqual(found[0]["amplitude"], found[1]["amplitude"], (period, at))
+                self.assertAlmostEqual(max(found[0]["amplitude"]), 1.0, delta=0.02)
 
     def test_a_trip_stands_from_its_time_on_as_soon_as_the_message_that_tells_it_is_there(self):
         store, time = Store(), np.arange(0.0, 6.0)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from desk.source import HELD, SPORADIC
+from spectrum import Spectrum
 
 GROUPS = 8  # [-] the most that a machine has
 
@@ -195,6 +196,15 @@ def envelopes(store, signals, first, last, bins):
             offset = 0.5 * (offset_low + offset_high)
             found[signal] = low + sign * offset, high + sign * offset
     return found
+
+
+def evenly(time, values, segment):
+    """(series, step [s]) of samples at even times, up to the newest: a spectrum takes its segments from the beginning, so the series begins
+    where the last one ends with the last sample."""
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    even = np.interp(np.linspace(time[0], time[-1], len(time)), time, values)
+    spectrum = Spectrum(step, segment)
+    return even[(len(even) - spectrum.length) % spectrum.hop if len(even) > spectrum.length else 0:], step
 
 
 def pose(facts, store, time):

@@ -400,8 +400,7 @@ def spectra(source, at):
         time_, values = store.channels[channel].samples(at - spectrum_span(source), at)
         if len(time_) < 64:
             continue
-        step = (time_[-1] - time_[0]) / (len(time_) - 1)
-        even = np.interp(np.arange(time_[0], time_[-1], step), time_, values[row])
+        even, step = charts.evenly(time_, values[row], band.segment)
         frequency, amplitude = amplitude_spectrum(even, step, band.segment)
         shown = (frequency >= LOWEST * band.lowest) & (frequency <= HIGHEST * band.highest)
         if shown.any():
