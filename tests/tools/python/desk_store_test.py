@@ -760,6 +760,20 @@ class ChartsTest(unittest.TestCase):
                 self.assertEqual(charts.holes(found, [signal], 0.0, 20.0, 100), {signal: [[25, 40]]})
             self.assertIn("OPERATOR.speed_request", charts.values(found, ["OPERATOR.speed_request"], 6.0))
 
+    def test_two_logs_have_no_difference_before_a_channel_of_one_begins_nor_behind_its_end(self):
+        long, short = np.arange(0, 2000) * 0.01, np.arange(750, 1500) * 0.01
+        sources = [unittest.mock.Mock(facts={}, store=Store()) for _ in range(2)]
+        for source, time in ((sources[0], long), (sources[1], short)):
+            source.name = "log"
+            source.store.append("OPERATOR", np.array([0.0, 20.0]), {"speed_request": np.zeros(2)})  # in front of a recording, and behind it
+            source.store.append("ENCODER", time, {"shaft_speed": time[:, None] ** 2})
+            source.store.append("TORQUE", time, {"motor_torque": time[:, None] ** 2})
+        for pair in (sources, sources[::-1]):
+            found = Difference(*pair).store
+            for channel in ("ENCODER", "TORQUE"):
+                time, rows = found.channels[channel].samples(-np.inf, np.inf)
+                self.assertEqual((time[0], time[-1], np.abs(rows).max()), (short[0], short[-1], 0.0))
+
     def test_the_bands_of_the_play_compensation_are_drawn_once_it_has_acted(self):
         store = Store()
         time, torque = np.arange(100) * 0.01, np.zeros((100, 2))

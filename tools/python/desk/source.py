@@ -114,10 +114,13 @@ class Difference:
                 continue
             time, values = channel.samples(*(max(first.store.first, second.store.first), min(first.store.last, second.store.last)))
             other_time, other_values = other.samples(-np.inf, np.inf)
+            if len(other_time) == 0:
+                continue
+            is_there = time >= other_time[0]  # the first log may have begun before, and messages of other channels stand in front of a recording
             if name not in SPORADIC:
-                is_there = ~within(other.holes, time)
-                time, values = time[is_there], values[:, is_there]
-            if len(time) == 0 or len(other_time) == 0:
+                is_there &= (time <= other_time[-1]) & ~within(other.holes, time)
+            time, values = time[is_there], values[:, is_there]
+            if len(time) == 0:
                 continue
             if name in HELD:
                 at = np.maximum(np.searchsorted(other_time, time, "right") - 1, 0)
