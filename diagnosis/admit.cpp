@@ -138,19 +138,6 @@ bool begins_unloaded(const Record& record, double time) {
   return largest_first < kUnloaded * largest;
 }
 
-// Whether some motor pushes in a record's first readings: its drives were on before.
-bool pushes_at_first(const Record& record) {
-  double largest = 0.0, largest_first = 0.0;
-  for (int g = 0; g < record.group_count; ++g) {
-    const std::vector<double>& torque = record.motor_torque[static_cast<std::size_t>(g)];
-    for (std::size_t n = 0; n < torque.size(); ++n) {
-      largest = std::max(largest, std::fabs(torque[n]));
-      if (n < kFirstReadings) largest_first = std::max(largest_first, std::fabs(torque[n]));
-    }
-  }
-  return largest_first >= kUnloaded * largest;
-}
-
 // Of two followers, from a grid point on, the sum over the groups of the mean of the product of what they miss.
 double missing_product(const Shadow& one, const Shadow& other, std::size_t from) {
   double sum = 0.0;
@@ -260,23 +247,22 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
   // Drives that are on already, or motors that hold something, may have moved before: the load's swing tells.
   const bool may_have_moved = is_at_rest && ((is_pressed && pressed == 0) || !is_unloaded) && problem.nuisances.swing_amounts() > 0;
   record.load_may_swing = may_have_moved && swing_at_rest(problem, play, record, whitening) > kSwingsOn * kSwingDeviation;
-  const auto from_rest_of = [&] {
-    Following from_rest = follow_from_rest(problem, play, record, whitening);
-    // Gears that are wound up from the first reading on are so by drives that were on before, and no motor tells what moved then: behind a house that a friction holds load, rod and boom swing on.
-    record.load_may_swing |= may_have_moved && record.begins_on_flanks && pushes_at_first(record);
+  // Gears that are wound up from the first reading on are so by drives that were on before, and no motor tells what moved then: behind a house that a friction holds load, rod and boom swing on.
+  const auto told_by_its_gears = [&](Following from_rest) {
+    record.load_may_swing |= may_have_moved && record.begins_on_flanks;
     return from_rest;
   };
   if (!is_pressed || (is_unloaded && pressed == 0) || (!record.begins_in_motion && pressed > 0 && came_from_the_middle(problem, play, record, pressed))) {
-    return from_rest_of();
+    return told_by_its_gears(follow_from_rest(problem, play, record, whitening));
   }
   Record later = record;
   leave_out_beginning(later, pressed);
   later.begins_bent = later.begins_on_flanks = true;
   Following from_later = follow(problem, later, whitening);
   if (is_at_rest) {
-    Following from_rest = from_rest_of();
+    Following from_rest = follow_from_rest(problem, play, record, whitening);
     const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
-    if (missing_power(problem, record, from_rest.follower, pressed + forgotten) < missing_power(problem, later, from_later.follower, forgotten)) return from_rest;
+    if (missing_power(problem, record, from_rest.follower, pressed + forgotten) < missing_power(problem, later, from_later.follower, forgotten)) return told_by_its_gears(std::move(from_rest));
   }
   record = std::move(later);
   return from_later;

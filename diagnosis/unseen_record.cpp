@@ -23,17 +23,19 @@ double share_left(const Validation& validation) { return validation.cause.residu
 
 }  // namespace
 
-UnseenRecords::UnseenRecords(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, Point parameters_of_all, std::vector<Record> unseen,
+UnseenRecords::UnseenRecords(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const Point& parameters_of_all, std::vector<Record> unseen,
                              std::vector<std::string>& remarks)
-    : problem_(problem), controller_(controller), parameters_of_all_(std::move(parameters_of_all)) {
+    : problem_(problem), controller_(controller) {
   for (Record& record : unseen) {
     const std::string name = record.name;
     record.effects_from = effects_from({problem.records.data(), problem.records.size()}, record);
     try {
       HeldOutData data(problem, whitening, std::move(record), remarks);
-      HeldOut parameters = data.fit(parameters_of_all_);
-      const ValidationError nominal_error = data.error({}, controller), parameters_error = data.error(parameters, controller);
-      records_.push_back({std::move(data), std::move(parameters), nominal_error, parameters_error});
+      const HeldOut parameters = data.fit(parameters_of_all);
+      const ValidationError parameters_error = data.error(parameters, controller);
+      const double parameters_torque = data.missing_torque(parameters);
+      UnseenRecord by_parameters{parameters.record, "", {data.error({}, controller), parameters_error, parameters_error, {}, false}, data.missing_torque({}), parameters_torque, parameters_torque};
+      records_.push_back({std::move(data), std::move(by_parameters)});
     } catch (const NotAdmitted& problem_of_it) {
       remarks.push_back(fmt::format("{} could not be predicted: {}", name, problem_of_it.what()));
     }
@@ -43,17 +45,18 @@ UnseenRecords::UnseenRecords(Problem& problem, const WhiteningSettings& whitenin
 std::vector<UnseenRecord> UnseenRecords::judge(const Cause* cause) {
   std::optional<Point> answer;
   if (cause != nullptr) answer = fitted_part(problem_.catalogue, cause->point);
-  const bool is_said_by_parameters = cause != nullptr && cause->validation && cause->validation->is_said_by_parameters;
   std::vector<UnseenRecord> all;
   std::int64_t simulations = 0, simulation_time = 0;
   for (One& one : records_) {
-    const HeldOut fitted = answer ? one.data.fit(*answer) : one.parameters;
-    UnseenRecord judged{one.parameters.record, answer ? name_of(*cause) : "", {one.nominal_error, one.parameters_error, one.parameters_error, {}, false, is_said_by_parameters},
-                        one.data.missing_torque({}), one.data.missing_torque(one.parameters), 0.0};
-    if (answer) judged.validation.cause = one.data.error(fitted, controller_);
-    judged.validation.holds = answer && holds(judged.validation, is_said_by_parameters);
-    judged.cause_torque = answer ? one.data.missing_torque(fitted) : judged.parameters_torque;
-    all.push_back(std::move(judged));
+    UnseenRecord& judged = all.emplace_back(one.by_parameters);
+    if (answer) {
+      const HeldOut fitted = one.data.fit(*answer);
+      judged.cause = name_of(*cause);
+      judged.validation.cause = one.data.error(fitted, controller_);
+      judged.validation.is_said_by_parameters = cause->validation && cause->validation->is_said_by_parameters;
+      judged.validation.holds = holds(judged.validation, judged.validation.is_said_by_parameters);
+      judged.cause_torque = one.data.missing_torque(fitted);
+    }
     simulations += one.data.simulations();
     simulation_time += one.data.simulation_time();
   }

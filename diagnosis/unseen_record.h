@@ -28,7 +28,7 @@ struct UnseenRecord {
 class UnseenRecords {
  public:
   // Parameters alone predict from where `parameters_of_all` has them. A record that is not admitted is told in `remarks`.
-  UnseenRecords(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, Point parameters_of_all, std::vector<Record> unseen,
+  UnseenRecords(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const Point& parameters_of_all, std::vector<Record> unseen,
                 std::vector<std::string>& remarks);
 
   // How `cause` predicts each; nothing where the answer is no known effect: then parameters alone predict in its place. Throws Interrupted.
@@ -37,12 +37,10 @@ class UnseenRecords {
  private:
   struct One {
     HeldOutData data;
-    HeldOut parameters;
-    ValidationError nominal_error, parameters_error;
+    UnseenRecord by_parameters;  // parameters alone in the cause's place
   };
   Problem& problem_;
   std::optional<controller::ControllerSettings> controller_;
-  Point parameters_of_all_;
   std::vector<One> records_;
   std::int64_t simulations_ = 0, simulation_time_ = 0;  // as far as they are counted
 };

@@ -14,29 +14,40 @@
 namespace slewlab::diagnosis {
 namespace {
 
+// A machine with dry friction in its bearing, known from one record.
+struct DraggingBearing {
+  explicit DraggingBearing(double torque) {
+    truth.crane = bench().crane;
+    truth.effects = {{"bearing_coulomb", {torque, 0.0, 3e-5}}};
+    problem.add(make_record(log(kThereAndBack, 34), "a", bench().admission));
+    parameters = fit_parameters_alone(problem, nominal_fit(problem));
+  }
+  msgs::RunLog log(const std::vector<Move>& moves, unsigned seed) const { return simulated_log(truth, bench().controller, moves, kDuration, seed); }
+  UnseenRecords unseen(const msgs::RunLog& log, std::vector<std::string>& remarks) {
+    std::vector<Record> records;
+    records.push_back(make_record(log, "unseen", bench().admission));
+    return {problem, problem.thresholds.whitening, bench().controller, parameters.point, std::move(records), remarks};
+  }
+
+  sim::MachineSettings truth;
+  BenchProblem problem;
+  FitResult parameters;
+};
+
 // A dragging bearing, known from one record, predicts another; without it the nominal machine and its parameters do not. One whose torques are no such crane's is told, and left out.
 TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   constexpr double kOfAnotherCrane = 5.0;  // times what moves this one
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
-  BenchProblem problem;
-  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
-  const FitResult parameters = fit_parameters_alone(problem, nominal_fit(problem));
-  const msgs::RunLog inching = simulated_log(truth, bench().controller, kInching, kDuration, 35);
+  DraggingBearing machine(1e5);
+  const msgs::RunLog inching = machine.log(kInching, 35);
   msgs::RunLog foreign = inching;
   for (msgs::Torque& torque : foreign.torque) {
     for (double& one : torque.motor_torque) one *= kOfAnotherCrane;
   }
-  const auto judged = [&](const Cause* lead, const msgs::RunLog& log, std::vector<std::string>& remarks) {
-    std::vector<Record> unseen;
-    unseen.push_back(make_record(log, "unseen", bench().admission));
-    return UnseenRecords(problem, problem.thresholds.whitening, bench().controller, parameters.point, std::move(unseen), remarks).judge(lead);
-  };
+  const auto judged = [&](const Cause* lead, const msgs::RunLog& log, std::vector<std::string>& remarks) { return machine.unseen(log, remarks).judge(lead); };
   std::vector<std::string> remarks;
   Cause lead;
   lead.effects = {"bearing_coulomb"};
-  lead.point.effects = truth.effects;
+  lead.point.effects = machine.truth.effects;
   const std::vector<UnseenRecord> by_cause = judged(&lead, inching, remarks), by_parameters = judged(nullptr, inching, remarks);
   ASSERT_EQ(by_cause.size(), 1U);
   EXPECT_EQ(by_cause[0].record, "unseen");
@@ -75,16 +86,9 @@ TEST(UnseenRecord, LeadsAstrayWhereItLeavesMuchMoreThanOfTheFittedOnes) {
 
 // Dry friction that a fast manoeuvre tells from viscous friction no better than another law may: where both explain nearly as much of it, and a slow one is predicted by dry friction alone, dry friction leads, and is not sure.
 TEST(UnseenRecord, IsLedByTheCauseThatPredictsIt) {
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  truth.effects = {{"bearing_coulomb", {4e5, 0.0, 3e-5}}};
-  BenchProblem problem;
-  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
-  const FitResult parameters = fit_parameters_alone(problem, nominal_fit(problem));
-  std::vector<Record> unseen;
-  unseen.push_back(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "unseen", bench().admission));
+  DraggingBearing machine(4e5);
   std::vector<std::string> remarks;
-  UnseenRecords records(problem, problem.thresholds.whitening, bench().controller, parameters.point, std::move(unseen), remarks);
+  UnseenRecords records = machine.unseen(machine.log(kInching, 35), remarks);
   remarks.clear();
   Cause viscous, dry;
   viscous.effects = {"bearing_viscous"};
@@ -93,13 +97,13 @@ TEST(UnseenRecord, IsLedByTheCauseThatPredictsIt) {
   viscous.explained = 1.0;
   viscous.mean_square = 0.8;  // as if its law had one shape more
   dry.effects = {"bearing_coulomb"};
-  dry.point.effects = truth.effects;
+  dry.point.effects = machine.truth.effects;
   dry.explained = 0.98;
   dry.mean_square = 1.9;
   std::vector<Cause> causes{viscous, dry};
   double unknown = 0.1;
   std::vector<UnseenRecord> judged = records.judge(&causes.front());
-  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  lead_by_what_is_unseen(records, machine.parameters.mean_square, causes, unknown, judged, remarks);
   EXPECT_EQ(causes.front().effects, dry.effects);
   EXPECT_NEAR(causes.front().probability, 0.54, 1e-12);
   EXPECT_NEAR(causes.back().probability, 0.36, 1e-12);
@@ -110,13 +114,13 @@ TEST(UnseenRecord, IsLedByTheCauseThatPredictsIt) {
   // Where no other predicts it, nobody knows.
   causes = {viscous};
   judged = records.judge(&causes.front());
-  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  lead_by_what_is_unseen(records, machine.parameters.mean_square, causes, unknown, judged, remarks);
   EXPECT_NEAR(causes.front().probability, 0.54, 1e-12);
   EXPECT_NEAR(unknown, 0.46, 1e-12);
   // The true one leads as it did.
   causes = {dry};
   judged = records.judge(&causes.front());
-  lead_by_what_is_unseen(records, parameters.mean_square, causes, unknown, judged, remarks);
+  lead_by_what_is_unseen(records, machine.parameters.mean_square, causes, unknown, judged, remarks);
   EXPECT_EQ(causes.front().probability, 0.0);
   EXPECT_EQ(remarks.size(), 2U);
 }

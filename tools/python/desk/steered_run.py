@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 from run_log import slewlab_program
+from unit import factor_to_si
 from whole_file import growing, next_folder
 from yaml_tree import file_text, flow, read_yaml
 from desk.source import Growing, motor_groups
@@ -18,7 +19,6 @@ LAST_WORDS = 12
 PROCESSES = ": plant is process "  # in the line by which slewlab run begins: no last word
 BEGIN_LOOK = 0.02  # [s] between two looks whether a run has begun
 MOTIONS = ("hoisting", "luffing", "travelling")  # beside slewing: with these the scenario's operator goes on
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # [s] by unit of a scenario's times
 REPEAT = 0.1  # [s] after which it is said again where the lever stands: of a desk that stands still the plant lets go
 
 
@@ -57,7 +57,7 @@ def motion_requests(operator):
     (sim/drive/scenario_file.cpp)."""
     requests, is_stopped = {motion: [] for motion in MOTIONS}, False
     for move in operator:
-        at = round(move["time"]["value"] * SECONDS[move["time"]["unit"]] * 1e9)
+        at = round(move["time"]["value"] * factor_to_si("time", move["time"]["unit"]) * 1e9)
         is_stopped = move["emergency_stop"]["value"] if "emergency_stop" in move else is_stopped
         for motion, mine in requests.items():
             request = move.get(f"{motion}_request")
